@@ -9,11 +9,14 @@
 //! use linewright::{line::Options, report};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let project = Project::open("examples/loader/line.lw")?; let line =
-//! project.line("Loading").ok_or("no such line")?; let options = Options { until: Some(3600.0),
-//! ..Options::default() }; let folder = tempfile::tempdir()?; let run = project.run(line,
-//! folder.path(), &SimulationOptions { options, replications: 1, rebuild: false })?; println!("{}",
-//! report::table(line, &run.traces[0], None)); assert_eq!(run.traces[0].violation_count, 0);
+//! let project = Project::open("examples/loader/line.lw")?;
+//! let line = project.line("Loading").ok_or("no such line")?;
+//! let options = Options { until: Some(3600.0), ..Options::default() };
+//! let options = SimulationOptions { options, replications: 1, rebuild: false };
+//! let folder = tempfile::tempdir()?;
+//! let run = project.run(line, folder.path(), &options)?;
+//! println!("{}", report::table(line, &run.traces[0], None));
+//! assert_eq!(run.traces[0].violation_count, 0);
 //! # Ok(())
 //! # }
 //! ```
@@ -22,9 +25,9 @@
 //! produces:
 //!
 //! ```text
-//! text ─parse→ Ast ─resolve→ Library ─lower→ gr1::Specification ─encode→ symbolic ─solve→
-//! game::Outcome ─extract→ mealy::Machine (verified) ─emit→ station::Package ─load→ line::Plant
-//! ─run→ line::Trace ─→ report
+//! text ─parse→ Ast ─resolve→ Library ─lower→ gr1::Specification ─encode→ symbolic
+//!      ─solve→ game::Outcome ─extract→ mealy::Machine (verified) ─emit→ station::Package
+//!      ─load→ line::Plant ─run→ line::Trace ─→ report
 //! ```
 //!
 //! The stages meet at three narrow interfaces: [`gr1::Specification`], [`mealy::Machine`] and

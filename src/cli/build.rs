@@ -75,10 +75,11 @@ impl Target {
     linewright build examples/ice-lab/line.lw --target source --out sources
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
-`linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` needs none. `fmu` uses the compilers that it finds.")]
+`linux` needs a C compiler; `windows` needs the MinGW compiler (x86_64-w64-mingw32-gcc) or Zig (zig, or the Python package ziglang); `source` needs none. `fmu` uses the compilers that it finds.")]
 pub struct Arguments {
-    /// File, and optionally one of its machines or lines. Without a name, all machines of its
-    /// lines, with the parameters they have there, and its other machines, with default parameters
+    /// File, and optionally one of its machines or lines. Without a name, builds all machines of
+    /// the file's lines with the parameters given there, and all other machines of the file with
+    /// their default parameters
     #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
     pub selection: Option<Selection>,
     /// What to build (repeatable)
@@ -91,8 +92,8 @@ pub struct Arguments {
     /// unverified one]
     #[arg(long, value_name = "FILE")]
     pub profile: Option<PathBuf>,
-    /// Build the probe that finds the layout of UF_Value, and its SimTalk; with --profile, the
-    /// probe that confirms it
+    /// Build the probe that finds the layout of UF_Value, and the SimTalk that calls it; with
+    /// --profile, build the probe that confirms the layout
     #[arg(long, conflicts_with = "selection")]
     pub probe: bool,
     /// Compile again even if nothing has changed
@@ -100,7 +101,7 @@ pub struct Arguments {
     pub rebuild: bool,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "build",
     "The station libraries of a build",

@@ -43,13 +43,13 @@ impl Console {
         Self { format, color }
     }
 
-    /// Prints a result. A closed pipe is not an error, so that the exit code is still the
-    /// verdict's.
+    /// Prints a result. A closed pipe is not an error, so that the exit code still shows the
+    /// verdict.
     pub fn result(&self, text: &str) -> anyhow::Result<()> {
         self.part(text).map(|_| ())
     }
 
-    /// Prints a part of a continued result. Returns whether the output is still read.
+    /// Prints one part of a longer result. Returns false if the reader has closed the output.
     pub fn part(&self, text: &str) -> anyhow::Result<bool> {
         PRINTED.store(true, Ordering::Relaxed);
         let mut out = AutoStream::new(io::stdout(), self.color);
@@ -57,8 +57,8 @@ impl Console {
             .context("standard output cannot be written")
     }
 
-    /// Prints one of many JSON documents on a single line. Returns whether the output is still
-    /// read.
+    /// Prints one of many JSON documents on a single line. Returns false if the reader has closed
+    /// the output.
     pub fn line(&self, document: &impl Serialize) -> anyhow::Result<bool> {
         let mut text = serde_json::to_string(document)?;
         text.push('\n');

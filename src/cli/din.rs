@@ -41,7 +41,7 @@ pub enum Command {
     /// Print a standard, or the part below a code, as a tree
     #[command(after_help = "Example:\n    linewright din tree din:4.3")]
     Tree {
-        /// Code with its standard; without it, everything
+        /// Code with its standard, such as din:4.3; if omitted, both standards are printed
         code: Option<String>,
     },
     /// List the codes that have contracts in the library
@@ -174,7 +174,7 @@ fn add_tree<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a 
     }
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "din",
     "Entries of DIN 8580 and VDI 2860, or which of them have contracts",
@@ -252,9 +252,9 @@ struct CoverageDocument {
 struct StandardCoverage {
     /// The title of the standard.
     standard: &'static str,
-    /// The number of its codes.
+    /// The number of codes in the standard.
     codes: usize,
-    /// The codes with an implementation.
+    /// The codes that have an implementation.
     covered: Vec<CoveredCode>,
 }
 

@@ -33,8 +33,8 @@ To infer the layout of UF_Value from the dump of a probe (`build --probe`):
 
     $ linewright doctor --probe linewright_probe.dll.dump.txt --out plant-simulation.toml
 
-Exit codes without --probe: 0 a C compiler works; 2 none does. With --probe: 0 the layout was \
-found or confirmed; 1 the dump does not determine the layout, or contradicts the profile; 2 the \
+Exit codes without --probe: 0 if a C compiler works; 2 if none does. With --probe: 0 if the layout was \
+found or confirmed; 1 if the dump does not determine the layout, or contradicts the profile; 2 if the \
 dump cannot be read.")]
 pub struct Arguments {
     /// Infer the layout of UF_Value from this dump of the probe
@@ -48,7 +48,7 @@ pub struct Arguments {
     pub profile: Option<PathBuf>,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "doctor",
     "Available compilers and tools, or the layout that a probe found",
@@ -73,7 +73,7 @@ struct Document<'a> {
     wine: Option<&'a FoundProgram>,
     /// Python 3.
     python: Option<&'a FoundProgram>,
-    /// The installed ones of the Python packages that tests use.
+    /// Those Python packages that the tests use and that are installed.
     python_packages: &'a [&'static str],
     /// The profile of `UF_Value`; null if it cannot be read.
     profile: Option<ProfileEntry>,

@@ -21,7 +21,7 @@ pub enum ExitCode {
 }
 
 impl ExitCode {
-    /// The code for loaded files: `CannotRun` if a file of another tool gave no specification.
+    /// The code for loaded files: `CannotRun` if a file of another tool yielded no specification.
     pub fn of_loading(loaded: &LoadedFiles) -> Self {
         if loaded.has_invalid_foreign() {
             Self::CannotRun

@@ -22,15 +22,15 @@ use topics::Topic;
     linewright explain 'order check'
     linewright explain --list")]
 pub struct Arguments {
-    /// The code of a finding (LW203), a construct of the language (buffer) or a command (check);
-    /// all are listed without it
+    /// The code of a finding (LW203), a construct of the language (buffer) or a command (check); if
+    /// omitted, all topics are listed
     pub topic: Option<String>,
     /// List all findings, constructs and commands
     #[arg(long, conflicts_with = "topic")]
     pub list: bool,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "explain",
     "Explanations of findings, constructs of the language and commands",
@@ -55,7 +55,7 @@ struct Entry {
     code: &'static str,
     /// The title of the explanation.
     title: &'static str,
-    /// The title of its group.
+    /// The title of the group to which the code belongs.
     group: &'static str,
     /// The explanation, in Markdown; absent in a list of all codes.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,8 +1,8 @@
 //! `linewright fmt`: formats `.lw` files in the standard layout.
 //!
 //! A file is written only if its text changes, and only after [`format::format_checked`] has parsed
-//! the new text and confirmed that it means the same. If it does not, this is reported as a fault
-//! of linewright, and the file is left unchanged.
+//! the new text and confirmed that it has the same meaning. A different meaning is reported as a
+//! fault of linewright, and the file is left unchanged.
 
 use super::console;
 use super::console::Console;
@@ -37,7 +37,7 @@ const STANDARD_INPUT: &str = "<stdin>";
 A file is rewritten only if that changes it. Comments, line breaks at operators, single empty \
 lines, line endings and a byte-order mark are kept; operators become words (`&&` becomes `and`). \
 A file that does not parse is left unchanged (exit code 2). With --check, no file is written, and the exit \
-code is 1 if one would be.")]
+code is 1 if formatting would change any file.")]
 pub struct Arguments {
     /// Files, folders (all .lw files in them), or `-` for standard input
     #[arg(value_name = "PATH", default_value = ".")]
@@ -47,7 +47,7 @@ pub struct Arguments {
     pub check: bool,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "fmt",
     "Which files were formatted",
@@ -64,12 +64,12 @@ struct Document {
     findings: Vec<json::Finding>,
 }
 
-/// An entry of a file.
+/// Result for one file.
 #[derive(JsonSchema, Serialize)]
 struct Entry {
     /// The name of the file.
     file: String,
-    /// Whether its layout changes, or would change with `--check`.
+    /// Whether formatting changes the file; with `--check`, whether it would change the file.
     changed: bool,
 }
 

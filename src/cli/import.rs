@@ -15,14 +15,14 @@ use std::path::PathBuf;
     linewright import examples/other-tools/arbiter.spc
     linewright import examples/other-tools/arbiter.slugsin --out arbiter.lw
 
-The contract says the same as the file, so checking either gives the same verdict. Names that the \
-language does not take are replaced, and listed in comments.")]
+The contract means the same as the file, so checking either gives the same verdict. Names that the \
+language does not accept are replaced, and listed in comments.")]
 pub struct Arguments {
-    /// A specification of gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or
-    /// in TLSF (.tlsf)
+    /// A specification for gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra),
+    /// or one in TLSF (.tlsf)
     #[arg(value_name = "FILE")]
     pub file: String,
-    /// The file to write; without it, the contract goes to standard output
+    /// The file to write; if omitted, the contract is printed to standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

@@ -47,7 +47,8 @@ impl Drop for Watch {
     }
 }
 
-/// Whether Ctrl-C was pressed; resets the state. For a command that Ctrl-C ends normally.
+/// Returns whether Ctrl-C was pressed, and resets the state. Used by a command that Ctrl-C ends
+/// normally, without an error.
 pub fn take() -> bool {
     INTERRUPTED.swap(false, Ordering::SeqCst)
 }

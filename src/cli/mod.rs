@@ -1,8 +1,8 @@
 //! The command line: one file per subcommand, and common parts.
 //!
 //! Results go to standard output, everything else to standard error; [`exit`] defines the exit
-//! codes. A command returns an [`exit::ExitCode`] if it ran, with or without findings, and an
-//! `anyhow` error, printed with exit code 2, if it could not run.
+//! codes. A command that ran returns an [`exit::ExitCode`], with or without findings. A command
+//! that could not run returns an `anyhow` error, which is printed; the exit code is then 2.
 
 pub mod algebra;
 pub mod build;
@@ -104,7 +104,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version are also reported as errors; a closed pipe is not a failure.
+            // Clap also returns help and version as errors. Printing can fail if the pipe is
+            // closed, which is not a failure of the command.
             let _ = error.print();
             return if error.use_stderr() {
                 ExitCode::CannotRun

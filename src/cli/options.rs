@@ -131,7 +131,7 @@ in the user's cache folder. It can be deleted at any time"
     /// Folder that `import std...` reads instead of the bundled library
     #[arg(long, global = true, value_name = "DIR")]
     pub library: Option<PathBuf>,
-    /// Verbose: show file and kernel of each contract, and how each assumption is discharged
+    /// Verbose: also show the file and kernel of each contract, and how assumptions are discharged
     #[arg(long, short, global = true)]
     pub verbose: bool,
     /// When the command began; its time limit counts from this moment.

@@ -29,8 +29,8 @@ pub struct Declaration {
     pub kind: Kind,
     /// Declared name.
     pub name: String,
-    /// From its keyword to its closing brace; if that is missing, to the next declaration or the
-    /// end of the file.
+    /// From the keyword to the closing brace of the declaration; if the brace is missing, to the
+    /// next declaration or the end of the file.
     pub extent: Span,
 }
 
@@ -52,7 +52,7 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     let mut keyword: Option<(Kind, usize)> = None;
     for (start, token) in tokens(text) {
         match token {
-            // A machine within a machine is a component.
+            // A `machine` within a machine is a component, not a declaration of the file.
             "machine" if depth > 0 && declares_inner_machine(&text[start + token.len()..]) => {}
             "contract" | "machine" | "line" if depth == 0 || begins_line(text, start) => {
                 depth = 0;

@@ -1,5 +1,5 @@
-//! `check --proof`: writes why a contract is realizable, for an independent check that
-//! `docs/proof.md` describes.
+//! `check --proof`: writes a certificate that a contract is realizable. `docs/proof.md` describes
+//! how to check it independently.
 
 use super::console::schema;
 use crate::cli::schema::{Described, form};
@@ -15,7 +15,7 @@ pub const DOCUMENT: Described = Described::new(
     &[form::<Document<'_>>],
 );
 
-/// The document.
+/// The JSON document of a proof.
 #[derive(Debug, JsonSchema, Serialize)]
 struct Document<'a> {
     schema: String,
@@ -24,15 +24,15 @@ struct Document<'a> {
     /// The verdict that is proved.
     #[schemars(extend("const" = "realizable"))]
     verdict: &'static str,
-    /// `mealy`: the controller sees the inputs of the step that it answers; `moore`: it answers
-    /// first.
+    /// `mealy`: the controller sets the outputs of a step after it has seen the inputs of the step;
+    /// `moore`: before it has seen them.
     #[schemars(extend("enum" = ["mealy", "moore"]))]
     timing: &'static str,
     /// The variables; internal ones count as outputs.
     variables: Vec<Variable<'a>>,
-    /// The names of the assumed justice; only `true` if there is none.
+    /// The names of the justice assumptions; `true` alone if there are none.
     assumptions: Vec<&'a str>,
-    /// The guaranteed justice; only `true` if there is none.
+    /// The justice guarantees; a single goal named `true` if there are none.
     goals: Vec<Goal<'a>>,
     /// The bits from the top of the diagrams to the bottom, such as `turning.0`.
     order: Vec<String>,
@@ -57,7 +57,8 @@ struct Variable<'a> {
     /// The labels of an enumeration.
     #[serde(skip_serializing_if = "Option::is_none")]
     labels: Option<&'a [String]>,
-    /// The numbers of its bits, the most significant first; they encode the value minus `low`.
+    /// The numbers of the variable's bits, the most significant first; the bits encode the value
+    /// minus `low`.
     bits: &'a [u16],
 }
 

@@ -29,7 +29,7 @@ Each document names its schema in the field `schema`: `linewright/check/1` for `
 schemas are JSON Schema draft 2020-12; objects have no fields beyond those listed. The schema \
 `uf-profile` describes a TOML file.")]
 pub struct Arguments {
-    /// The name of a document, such as check; without it, all are listed
+    /// The name of a document, such as check; if omitted, all documents are listed
     pub name: Option<String>,
 }
 
@@ -57,7 +57,7 @@ type Form = fn(&mut SchemaGenerator) -> Schema;
 /// A kind of document with a JSON Schema.
 #[derive(Clone, Copy)]
 pub struct Described {
-    /// The name: that of the command that prints the document, or of the file's content.
+    /// The name: the command that prints the document, or a name for the content of the file.
     pub name: &'static str,
     /// One-line description.
     pub title: &'static str,
@@ -126,7 +126,7 @@ pub(super) fn form<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     T::json_schema(generator)
 }
 
-/// A schema that is written by hand; adds its definitions.
+/// Parses a schema that is written by hand, and adds its definitions to the generator.
 pub(super) fn by_hand(text: &str, generator: &mut SchemaGenerator) -> Schema {
     let mut schema: Schema =
         serde_json::from_str(text).expect("a schema is a JSON object; please report this");

@@ -92,8 +92,8 @@ impl Selection {
         Ok(Ok(loaded))
     }
 
-    /// The selected items of `all`: the one with the name, or without a name all that the file
-    /// itself declares. Can be empty.
+    /// Returns the selected items of `all`: the item with the selected name or, if no name was
+    /// given, all items that the file itself declares. The result can be empty.
     pub fn find<'a, T>(
         &self,
         loaded: &LoadedFiles,
@@ -131,8 +131,11 @@ impl Selection {
             let names: Vec<&str> = all.iter().map(|i| describe(i).0).collect();
             let instead = match names.as_slice() {
                 [] => "give a file that declares one".to_owned(),
-                [only] => format!("write {path}::{only}"),
-                names => format!("append one of {} to {path}::", names.join(", ")),
+                [only] => format!("write `{path}::{only}`"),
+                names => format!(
+                    "write `{path}::NAME`, where NAME is one of {}",
+                    names.join(", ")
+                ),
             };
             match &self.name {
                 Some(name) => anyhow::bail!("{path} has no {kind} `{name}`: {instead}"),

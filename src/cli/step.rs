@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let names: Vec<&str> = picked.iter().map(|c| c.name.as_str()).collect();
         let (path, names) = (&arguments.selection.path, names.join(", "));
         anyhow::bail!(
-            "only one contract can be played at a time: append one of {names} to {path}::"
+            "only one contract can be played at a time: write `{path}::NAME`, where NAME is one of {names}"
         );
     };
     // An unreadable script ends the command before anything is solved.
@@ -164,7 +164,7 @@ fn opponent(
         return Ok(Ok(Opponent::Counterstrategy(machine)));
     }
     // The explanation of unrealizability reached its own limit. The core suffices: a controller
-    // that cannot keep its guarantees cannot keep all of them.
+    // that cannot keep the guarantees of the core cannot keep all guarantees.
     let specification = restrict_to_core(&contract.specification, &checked.core);
     let gave_up = |limit: game::Limit| {
         let name = &contract.name;

@@ -33,8 +33,9 @@ states is written as a symbolic controller (Boolean functions); its forms are js
 plcopen. `--emit spc`, `slugsin`, `spectra` and `tlsf` write the specification for other tools \
 and need no controller.")]
 pub struct Arguments {
-    /// File, and optionally one of its contracts [default: all of them]. Also a specification for
-    /// gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) or in TLSF (.tlsf)
+    /// File, and optionally one of its contracts [default: all of them]. The file can also be a
+    /// specification for gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or
+    /// one in TLSF (.tlsf)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// Output form (repeatable)
@@ -46,7 +47,7 @@ pub struct Arguments {
     /// Objective for a Mealy machine; symbolic controllers always use `reaction`
     #[arg(long, value_enum, default_value_t)]
     pub prefer: Prefer,
-    /// Output folder; without it, a single result goes to standard output
+    /// Output folder; if omitted, a single result is printed to standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print solver statistics by phase on standard error
@@ -82,7 +83,7 @@ pub enum Emit {
     C,
     /// Function block in IEC 61131-3 Structured Text
     St,
-    /// The same function block as PLCopen XML
+    /// Function block in PLCopen XML
     Plcopen,
     /// JSON as `gr1c -t json` writes it
     Gr1c,
@@ -395,7 +396,7 @@ fn write(
                 None,
                 format!("`{}` was not written in this form: {limit}", machine.name),
             )
-            .with_help("use --emit json, whose transitions carry guards"),
+            .with_help("use --emit json, which writes transitions with guards"),
         )
     };
     Ok(match emit {

@@ -891,6 +891,49 @@ fn what_stands_beside_a_line_has_to_be_understood() {
     }
 }
 
+/// Whatever the error of the machine is.
+#[test]
+fn a_line_with_an_invalid_machine_is_invalid() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |bound: &str, guarantee: &str| {
+        format!(
+            "contract Turn {{
+    input grip: bool
+    output turning: bool
+    guarantee safe: {guarantee}
+}}
+machine Table {{
+    action turn: Turn {{ {bound} }}
+    operation go: turn
+    done turn.turning
+}}
+line L {{
+    part P
+    source s: P every 10 s
+    sink k
+    station m: Table {{ perform go on P }}
+    route P: s -> m -> k
+}}
+"
+        )
+    };
+    let bound = "grip = true";
+    let keeps = "always (turning <-> grip)";
+    for (text, code) in [
+        (file("", keeps), "LW301"),
+        (file("grip = 3", keeps), "LW103"),
+        (file(bound, "always (next grip)"), "LW203"),
+        (file(bound, keeps), ""),
+    ] {
+        std::fs::write(folder.path().join("line.lw"), text).expect("a file");
+        let output = linewright(folder.path(), &["check", "line.lw", "--format", "json"]);
+        let document: Value = serde_json::from_slice(&output.stdout).expect("a document");
+        let verdict = if code.is_empty() { "valid" } else { "invalid" };
+        assert_eq!(document["lines"][0]["verdict"], verdict, "{document:#}");
+        assert!(document.to_string().contains(code), "{document:#}");
+    }
+}
+
 /// Output of `check`, `build` and `run` for a line, with their exit codes.
 fn judged(line: &str) -> [(i32, String); 3] {
     let folder = tempfile::tempdir().expect("a folder");

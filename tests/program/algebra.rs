@@ -289,6 +289,31 @@ fn a_quotient_is_proved_by_composing_it_back() {
     assert_eq!(document(&output)["verdict"], "proved");
 }
 
+/// Whether NEW is a contract, a composition or another expression.
+#[test]
+fn whatever_refines_a_contract_without_an_environment_is_reported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contracts = "contract W {\n    input a: bool\n    output y, z: bool\n    assume always eventually (a and not a)\n    guarantee always eventually y\n}\n\
+                     contract P {\n    input a: bool\n    output y: bool\n    assume always a\n    guarantee always eventually y\n}\n\
+                     contract Q {\n    input a: bool\n    output z: bool\n    guarantee always eventually z\n}\n";
+    fs::write(folder.path().join("own.lw"), contracts).expect("a file");
+    for new in [
+        "own.lw::P",
+        "compose(own.lw::P, own.lw::Q)",
+        "conjoin(own.lw::P, own.lw::Q)",
+    ] {
+        let output = linewright(
+            folder.path(),
+            &["refine", "own.lw::W", new, "--format", "json"],
+        );
+        assert_eq!(output.status.code(), Some(0), "{new}: {output:?}");
+        let document = document(&output);
+        assert_eq!(document["verdict"], "refined", "{new}");
+        assert_eq!(document["semantics"], "runs", "{new}");
+        assert_eq!(document["findings"][0]["code"], "LW206", "{new}");
+    }
+}
+
 /// The output of `compat` for a contract in a separate file, in JSON.
 fn compat_of(contract: &str) -> Output {
     let folder = tempfile::tempdir().expect("a folder");
@@ -404,7 +429,7 @@ fn operands_that_are_none_are_refused() {
         (vec!["compose", "nowhere.lw"], "nowhere.lw"),
         (
             vec!["compose", "examples/fit-together/safe.lw"],
-            "declares several contracts: append one of Feeder, Gripper",
+            "declares several contracts: write `examples/fit-together/safe.lw::NAME`, where NAME is one of Feeder, Gripper",
         ),
         (
             vec!["compose", "examples/fit-together/safe.lw::Nobody"],

@@ -147,6 +147,13 @@ fn write(folder: &Path, name: &str, text: &str) {
     std::fs::write(folder.join(name), text).expect("a file");
 }
 
+/// Creates a file with its content at once. After [`write`], a check may find the file empty, and
+/// the next check may find that it has changed.
+fn appear(folder: &Path, name: &str, text: &str) {
+    write(folder, "unfinished", text);
+    std::fs::rename(folder.join("unfinished"), folder.join(name)).expect("it is renamed");
+}
+
 #[test]
 fn files_change_come_go_and_break() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -171,7 +178,7 @@ fn files_change_come_go_and_break() {
     assert!((before - after).abs() < f64::EPSILON, "{before} {after}");
 
     // A file appears between the two others, and disappears again.
-    write(folder, "cell/p.lw", &SOUND.replace("Sound", "More"));
+    appear(folder, "cell/p.lw", &SOUND.replace("Sound", "More"));
     let third = watching.verdicts(&[clash, ("More", "realizable"), other]);
     assert_eq!(changes(&third), [("cell/p.lw", "new")]);
     std::fs::remove_file(folder.join("cell/p.lw")).expect("it goes");

@@ -33,11 +33,21 @@ fn monitors_of(case: &Case) -> (Monitors, Player) {
 /// to be assumed.
 #[test]
 fn patterns_mean_their_formulas() {
+    compare_with_formulas(LONGEST - 1);
+}
+
+#[test]
+#[ignore = "takes a minute: cargo test --test solver monitors:: -- --ignored"]
+fn patterns_mean_their_formulas_on_longer_lassos() {
+    compare_with_formulas(LONGEST);
+}
+
+fn compare_with_formulas(longest: usize) {
     let count = |case: &Case| {
         let meaning = logic::read(&case.meaning, &case.names);
         let (_, player) = monitors_of(case);
         let (mut kept_some, mut broken_some) = (false, false);
-        let count = every_lasso(case.names.len(), LONGEST, &mut |lassos| {
+        let count = every_lasso(case.names.len(), longest, &mut |lassos| {
             let expected = meaning.on(lassos)[0];
             let kept = player.kept(lassos);
             for (what, found) in [("kept", kept.guaranteed), ("assumed", kept.assumed)] {

@@ -4,9 +4,9 @@
 //! The proof of a machine alone can export its assumptions about the requested operations
 //! ([`super::proof::Exports`]). In a line, operations are requested in sequences, one sequence for
 //! each part, repeatedly and with the parts in any order. This module adds a caller to the
-//! components that makes exactly these requests and sets every input that the machine does not set.
-//! Then nothing is exported any more: each assumption is either proved, or refuted by a series of
-//! parts after which it is broken.
+//! components. The caller makes exactly these requests, and sets every input that the machine does
+//! not set. Then nothing is exported any more: each assumption is either proved, or refuted by a
+//! series of parts after which it is broken.
 
 use super::machine::of_machine;
 use super::proof::Claim;
@@ -44,8 +44,8 @@ pub struct OperationRequest {
 }
 
 impl OperationRequest {
-    /// Creates a request with these values of parameters (index among the machine's properties,
-    /// value). A property for which `carried` is true belongs to a part, so its value is unknown;
+    /// Creates a request. `parameters` are pairs of an index among the machine's properties and a
+    /// value. A property for which `carried` is true belongs to a part, so its value is unknown;
     /// any other property without a given value has its default.
     pub fn new(
         machine: &Machine,

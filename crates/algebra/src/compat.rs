@@ -1,5 +1,5 @@
 //! Compatibility of components: whether some environment keeps the components' assumptions,
-//! whatever they do within their guarantees.
+//! whatever the components do within their guarantees.
 //!
 //! This is a game with swapped roles. The player (the environment) sets the outside variables; the
 //! opponent sets the components' outputs and keeps all guarantees. The player has to keep the
@@ -8,12 +8,12 @@
 //! without guarantees, the question is simply whether its assumption is realizable.
 //!
 //! The order of moves is also swapped: Moore machines answer before the environment, which sees
-//! their answer, and Mealy machines answer after it.
+//! their answer. Mealy machines answer after the environment.
 //!
-//! Either side can leave the other without an allowed move. An environment that leaves the
-//! components none has won, but only if it keeps the assumptions in that step as well. "Some answer
-//! keeps the formula" is not a formula of GR(1), so the side that needs such an answer names one,
-//! in additional variables (*named answer*).
+//! Either side can leave the other without an allowed move. An environment that does so has won,
+//! but only if it keeps the assumptions in that step as well. GR(1) cannot express that some answer
+//! keeps a formula. Therefore, the side that needs such an answer names one, in additional
+//! variables (*named answer*).
 
 mod between;
 
@@ -100,8 +100,8 @@ fn is_monitor(system: &System, v: VarId) -> bool {
         .any(|(_, _, f)| f.span.contains(place))
 }
 
-/// A game under construction, in which the environment plays the machine: its outside variables are
-/// outputs, and the variables that components set are inputs.
+/// A game under construction, in which the environment takes the place of the machine: the outside
+/// variables are its outputs, and the variables that components set are its inputs.
 struct Game<'s> {
     system: &'s System,
     specification: Specification,
@@ -165,9 +165,8 @@ impl<'s> Game<'s> {
         copied.collect()
     }
 
-    /// Creates two variables that tell whether a guarantee was broken so far (`violated`), and
-    /// whether one had been broken a step earlier (`violated_before`); also returns the rules that
-    /// define them.
+    /// Creates two variables: `violated` is true once a guarantee has been broken,
+    /// `violated_before` one step later. Also returns the rules that define the variables.
     fn add_violation_tracking(&mut self, owner: Owner) -> (VarId, VarId, Side) {
         let violated = self.add(owner, Domain::Bool);
         let violated_before = self.add(owner, Domain::Bool);
@@ -201,10 +200,11 @@ impl<'s> Game<'s> {
 ///
 /// The environment has to keep the assumptions even if it leaves the components no allowed answer.
 /// In this game the components can break a guarantee: `violated` is true once they have,
-/// `violated_before` one step later. Until `violated`, the environment keeps each assumption with
-/// the components' answer; until `violated_before`, also with an answer that it names itself. The
-/// named answer matters only if the components have no allowed answer: an assumption that all
-/// allowed answers keep is kept by one of them.
+/// `violated_before` one step later. Until `violated` is true, the environment has to keep each
+/// assumption with the components' answer; until `violated_before` is true, also with an answer
+/// that the environment names itself. The named answer matters only if the components have no
+/// allowed answer. If they have one, the environment can name it, because it has to keep the
+/// assumption with every allowed answer.
 fn environment_first(system: &System) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Moore, |v| !driven(v));
@@ -232,8 +232,8 @@ fn environment_first(system: &System) -> Specification {
 /// Builds the game in which the environment moves last: all components are Moore machines. The
 /// values of monitors in a step are known after the environment's move.
 ///
-/// An answer is allowed if, with some outside values, it keeps the guarantees: the components name
-/// these values. With other values the environment can make the components break a guarantee
+/// An answer is allowed if it keeps the guarantees with some outside values; the components name
+/// these values. With other values, the environment can make the components break a guarantee
 /// (`violated`), as long as it keeps the assumptions in that step as well.
 fn environment_last(system: &System) -> Specification {
     let definitions: Vec<&Side> = system.components.iter().map(|p| &p.definitions).collect();
@@ -301,7 +301,7 @@ fn extend(side: &mut Side, more: &Side) {
     }
 }
 
-/// Returns a formula of the game that is not a formula of a contract.
+/// Creates a formula of the game that is not a formula of a contract.
 fn auxiliary(expr: Expr) -> Formula {
     Formula {
         name: String::new(),
@@ -332,8 +332,9 @@ fn counterexample(
         steps = between::undo_delay(&steps, next.as_ref(), late);
     }
     match &play.ending {
-        // The outside values of the last step are an example: with any values, some formula is
-        // broken. The answers to them are also an example; an allowed answer is more helpful.
+        // The outside values of the last step are only an example: some formula is broken with any
+        // values. The answers to these values are also an example; an allowed answer is more
+        // helpful.
         Ending::Clash(_) => {
             if order != Turn::Last
                 && let Some(last) = steps.pop()

@@ -54,9 +54,9 @@ impl RunSet {
 /// A saturated contract: assumption and guarantee.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Contract {
-    /// Runs that the environment is allowed.
+    /// Runs that the contract allows the environment to make.
     pub assumption: RunSet,
-    /// Runs that an implementation is allowed.
+    /// Runs that the contract allows an implementation to make.
     pub guarantee: RunSet,
 }
 

@@ -2,9 +2,9 @@
 //! another.
 //!
 //! A set is split into cases. A case states for some halves of contracts whether the run keeps or
-//! breaks them. A half is broken either if its safety is broken once, which a Boolean records, or
-//! if one of its justice formulas never holds again from some step on. So every case is a few
-//! queries to [`Runs`], and a run that is found is a lasso.
+//! breaks them. A half is broken if its safety is broken once, which a Boolean records, or if one
+//! of its justice formulas never holds again from some step on. So every case takes a few queries
+//! to [`Runs`], and a run that is found is a lasso.
 
 use super::contract::{Contract, RunSet};
 use super::system::{ContractSide, System, formulas, rule};
@@ -96,9 +96,9 @@ impl<'a> Decider<'a> {
     }
 
     /// Returns a run that shows that `small` does not refine `large`; `None` if it does. With
-    /// `Assumptions`, `large` assumes less: it allows the environment this run and `small` does
-    /// not. With `Guarantees`, `small` guarantees less: it allows an implementation this run and
-    /// `large` does not.
+    /// `Assumptions`, the run shows that `large` assumes less: `large` allows the environment to
+    /// make this run, but `small` does not. With `Guarantees`, it shows that `small` guarantees
+    /// less: `small` allows an implementation to make this run, but `large` does not.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -122,8 +122,8 @@ impl<'a> Decider<'a> {
         Ok(self.refutation(a, b)?.is_none() && self.refutation(b, a)?.is_none())
     }
 
-    /// Splits the remaining sets, each to be kept or not, into cases, and returns a run of the
-    /// first case that has one.
+    /// Splits the sets in `left`, each paired with whether the run has to be in it, into cases.
+    /// Returns a run of the first case that has one.
     fn find_in_cases(
         &mut self,
         mut left: Vec<(RunSet, bool)>,

@@ -1,5 +1,5 @@
 //! Joins separate contracts into a system: after ports are renamed, variables with the same name
-//! are one variable.
+//! become one variable.
 
 use super::system::{Component, System};
 use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId, Variable};
@@ -8,7 +8,7 @@ use linewright_core::source::Span;
 /// A contract to be joined, with new names for its ports.
 #[derive(Debug, Clone)]
 pub struct Member<'a> {
-    /// Contract.
+    /// The contract itself.
     pub specification: &'a Specification,
     /// Name of the component, which distinguishes two uses of one contract.
     pub name: String,
@@ -16,7 +16,7 @@ pub struct Member<'a> {
     pub renamings: Vec<(String, String)>,
 }
 
-/// Whether several contracts may set one variable.
+/// Whether several contracts can set one variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sharing {
     /// At most one contract sets each variable, as in a composition.
@@ -35,7 +35,7 @@ pub enum Mismatch {
         name: String,
         /// First contract, domain of its variable as displayed, and place of the declaration.
         first: (String, String, Span),
-        /// Second contract, likewise.
+        /// Second contract, with the same data.
         second: (String, String, Span),
     },
     /// Two contracts set the same variable.
@@ -44,7 +44,7 @@ pub enum Mismatch {
         name: String,
         /// First contract, and place of its declaration of the variable.
         first: (String, Span),
-        /// Second contract, likewise.
+        /// Second contract, with the same data.
         second: (String, Span),
     },
     /// A renamed port does not exist.
@@ -67,9 +67,9 @@ pub enum Mismatch {
 
 /// Joins contracts into a system.
 ///
-/// Monitors are not shared, nor are internal variables of different components: if another variable
-/// has the same name, theirs is prefixed with the name of their member. If the contracts are views
-/// of one component, internal variables with the same name are one variable.
+/// Monitors are not shared, and neither are internal variables of different components: if another
+/// variable has the same name, their name is prefixed with that of their member. If the contracts
+/// are views of one component, internal variables with the same name become one variable.
 ///
 /// # Errors
 /// If contracts cannot be joined; returns all mismatches.

@@ -12,11 +12,11 @@ use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, R
 /// Returns a machine's components as a system, and the claim that they discharge one another's
 /// assumptions and keep the machine's guarantees.
 ///
-/// The givens are the facts that the machine's file declares: signals that are constant, signals
-/// whose script restarts with every call, and that the operation and the values read from the part
-/// stay until the operation is done. Assumptions about outside values can be exported to the
-/// machine's caller, for the first step of a call. A machine without operations is only stepped:
-/// the caller is responsible for everything from outside.
+/// The givens are the facts that the machine's file declares: some signals are constant, the
+/// scripts of other signals restart with every call, and the operation and the values read from the
+/// part stay until the operation is done. Assumptions about outside values can be exported to the
+/// machine's caller, for the first step of a call. A machine without operations is only stepped;
+/// its caller is responsible for everything from outside.
 pub fn of_machine(machine: &Machine) -> (System, Claim) {
     let mut system = components(machine);
     let rules = &machine.guarantees;

@@ -1,9 +1,9 @@
 //! Refinement between two contracts, with reasons: from which old assumptions each new assumption
 //! follows, and from which new guarantees each old guarantee follows.
 //!
-//! `C₁ ≼ C₂` holds if `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: every environment of the old contract is one of
-//! the new contract, and in it the new contract keeps the old guarantees. This is decided exactly
-//! on infinite runs.
+//! `C₁ ≼ C₂` holds if `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: every environment of the old contract C₂ is
+//! also one of the new contract C₁, and in such an environment the new contract keeps the old
+//! guarantees. This is decided exactly on infinite runs.
 
 use super::proof::{Claim, Exports, Proof, prove};
 use super::system::{Component, System};
@@ -80,21 +80,50 @@ pub fn refine(
             proof,
         })
     };
-    let never = Side {
-        initial: vec![Formula {
-            defines: false,
-            name: "no run".to_owned(),
-            requirement: None,
-            expr: Expr::Const(0),
-            span: Span::default(),
-            text: "false".to_owned(),
-        }],
-        ..Side::default()
-    };
     Ok(Refinement {
         assumptions: question(&Side::default(), &new.assumptions)?,
         guarantees: question(&new.guarantees, &old.guarantees)?,
-        is_vacuous: old.assumptions != Side::default()
-            && question(&Side::default(), &never)?.proof.holds(),
+        is_vacuous: lacks_environment(system, large, limits)?,
     })
+}
+
+/// Returns whether no run keeps the assumptions of a component of a system.
+///
+/// # Errors
+/// When a limit was reached.
+pub fn lacks_environment(
+    system: &System,
+    component: usize,
+    limits: &Limits,
+) -> Result<bool, Limit> {
+    let component = &system.components[component];
+    if component.assumptions == Side::default() {
+        return Ok(false);
+    }
+    let alone = System {
+        variables: system.variables.clone(),
+        components: vec![Component {
+            assumptions: Side::default(),
+            guarantees: Side::default(),
+            ..component.clone()
+        }],
+    };
+    let no_run = Formula {
+        defines: false,
+        name: "no run".to_owned(),
+        requirement: None,
+        expr: Expr::Const(0),
+        span: Span::default(),
+        text: "false".to_owned(),
+    };
+    let claim = Claim {
+        given: component.assumptions.clone(),
+        goal: Side {
+            initial: vec![no_run],
+            ..Side::default()
+        },
+        exports: Exports::Never,
+        ..Claim::default()
+    };
+    Ok(prove(&alone, &claim, limits)?.holds())
 }

@@ -59,7 +59,7 @@ pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
 /// break the open obligation.
 ///
 /// # Errors
-/// If it does not prove it; the text says what is wrong with the counterexample.
+/// If the counterexample does not prove this; the text states what is wrong with it.
 pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Result<(), String> {
     let what = formula(system, claim, open.what);
     match &open.why {

@@ -23,31 +23,31 @@ pub struct Component {
     pub timing: Timing,
     /// Variables that the component sets.
     pub drives: Vec<VarId>,
-    /// Formulas that it assumes.
+    /// Formulas that the component assumes.
     pub assumptions: Side,
-    /// Formulas that it guarantees.
+    /// Formulas that the component guarantees.
     pub guarantees: Side,
-    /// Definitions of its monitors: they cannot be broken, and constrain nothing else.
+    /// Definitions of the component's monitors: they cannot be broken, and constrain nothing else.
     pub definitions: Side,
 }
 
 /// The two halves of a contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ContractSide {
-    /// Formulas that it assumes.
+    /// Formulas that the component assumes.
     Assumptions,
-    /// Formulas that it guarantees.
+    /// Formulas that the component guarantees.
     Guarantees,
 }
 
 /// Reference to one formula of a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FormulaRef {
-    /// Index of the component; `None` for a given or the goal of a [`super::proof::Claim`].
+    /// Index of the component; `None` for a given or a goal formula of a [`super::proof::Claim`].
     pub component: Option<usize>,
     /// Half of the contract. For a claim, assumptions are the givens and guarantees are the goal.
     pub half: ContractSide,
-    /// List that contains the formula.
+    /// Kind of the formula, which selects the list that contains it.
     pub kind: RuleKind,
     /// Index in that list.
     pub index: usize,

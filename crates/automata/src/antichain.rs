@@ -67,7 +67,7 @@ impl<T: Clone + Ord> Antichain<T> {
     }
 }
 
-/// Removes the sets that contain another one.
+/// Removes the sets that contain another set.
 fn minimal_sets<T: Clone + Ord>(sets: &BTreeSet<BTreeSet<T>>) -> BTreeSet<BTreeSet<T>> {
     let contains_another = |set: &BTreeSet<T>| sets.iter().any(|s| s != set && s.is_subset(set));
     let kept = sets.iter().filter(|set| !contains_another(set));

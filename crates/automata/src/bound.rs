@@ -21,7 +21,8 @@ pub enum BoundExceeded {
     Stopped(#[from] StopReason),
 }
 
-/// Limits on exploring an automaton. Converted from a number of states, it has no deadline.
+/// Limits on exploring an automaton. A bound that is converted from a number of states has no
+/// deadline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExplorationBound {
     /// Maximum number of states.

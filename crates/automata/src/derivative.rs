@@ -61,7 +61,7 @@ impl ExtendedRegex {
         }
     }
 
-    /// Returns any number of repetitions, including none.
+    /// Returns an expression for any number of repetitions, including none.
     #[must_use]
     pub fn star(self) -> Self {
         match self {
@@ -129,7 +129,7 @@ impl ExtendedRegex {
         }
     }
 
-    /// Collects the conditions that the derivative depends on.
+    /// Collects the conditions on which the derivative depends.
     fn next_conditions(&self, found: &mut BTreeSet<usize>) {
         match self {
             Self::Never | Self::Empty | Self::Any => {}

@@ -1,5 +1,5 @@
-//! Deterministic finite automata over the letters `0..letters`. A state can refuse letters; there
-//! is no sink state for them.
+//! Deterministic finite automata over the letters `0..letters`. A state can refuse letters; refused
+//! letters do not lead to a sink state.
 //!
 //! This module provides breadth-first exploration of a transition function, minimization by
 //! partition refinement (Hopcroft, "An n log n algorithm for minimizing states in a finite
@@ -24,7 +24,7 @@ pub struct Dfa {
     letters: usize,
     /// Next states in row-major order: one row per state.
     next: Vec<u32>,
-    /// Whether a word may end in each state.
+    /// Whether a word can end in each state.
     complete: Vec<bool>,
 }
 
@@ -42,7 +42,7 @@ pub struct Exploration<S> {
 impl Dfa {
     /// Explores all states that are reachable from `start`, which becomes state 0. `step` returns
     /// the state after a letter, or `None` to refuse the letter; `complete` returns whether a word
-    /// may end in a state.
+    /// can end in a state.
     ///
     /// # Errors
     /// When there are more states than `bound` allows, or the deadline has passed.
@@ -166,7 +166,7 @@ impl Dfa {
         (to != REFUSED).then_some(to)
     }
 
-    /// Returns whether a word may end in this state.
+    /// Returns whether a word can end in this state.
     pub fn is_complete(&self, state: u32) -> bool {
         self.complete[state as usize]
     }
@@ -182,7 +182,7 @@ impl Dfa {
         (0..self.state_count() as u32).all(|state| self.next(state, letter) == state)
     }
 
-    /// Replaces the set of states in which a word may end; `complete` has one value per state.
+    /// Replaces the set of states in which a word can end; `complete` has one value per state.
     ///
     /// # Panics
     /// When the number of values differs from the number of states.
@@ -222,7 +222,7 @@ impl Dfa {
     }
 
     /// Refuses letters after which no complete word is possible, and removes unreachable states.
-    /// The start is always kept.
+    /// The start state always remains.
     #[must_use]
     pub fn trimmed(self) -> Self {
         let states = self.state_count();
@@ -346,9 +346,9 @@ impl Dfa {
         (class, count as usize)
     }
 
-    /// Returns a shortest word that only one of the two automata accepts, the lexicographically
-    /// smallest one; `None` if they accept the same words. The time is proportional to the product
-    /// of the numbers of states.
+    /// Returns the shortest word that only one of the two automata accepts; of several, the
+    /// lexicographically smallest. Returns `None` if they accept the same words. The time is
+    /// proportional to the product of the numbers of states.
     ///
     /// # Panics
     /// When the numbers of letters differ.

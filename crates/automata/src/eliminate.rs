@@ -119,7 +119,7 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
     Regex::either(parts)
 }
 
-/// Returns a short expression that matches the words of an automaton.
+/// Returns a short expression that matches exactly the words that an automaton accepts.
 ///
 /// # Errors
 /// When the minimal automaton has more than [`MAX_ELIMINATED_STATES`] states, when the expression
@@ -171,7 +171,8 @@ fn shortest(graph: &Graph, left: &[usize], best: &mut Option<Regex>) {
         rest.remove(i);
         let mut graph = graph.clone();
         graph.eliminate(*state, &rest);
-        // The expression only grows, so one that is already longer cannot become the shortest.
+        // Elimination never shortens the expression, so an order whose expression is already longer
+        // than the best one is abandoned.
         let size = graph.result().size();
         if best.as_ref().is_none_or(|b| size <= b.size()) {
             shortest(&graph, &rest, best);

@@ -5,11 +5,11 @@
 //! in a step. There are two kinds of automata, for different purposes:
 //!
 //! - A [`dfa`] has an array of successors for each state, one for each *letter*, and refuses
-//!   letters without a successor. It is for few letters that are known beforehand: comparing,
-//!   trimming and minimizing visit all of them.
+//!   letters without a successor. It is for few letters that are known beforehand, because
+//!   comparing, trimming and minimizing visit all of them.
 //! - A [`symbolic`] automaton has a *decision* in each state: a tree over the conditions that are
-//!   relevant there. It is for many conditions of which each state reads only a few: as letters,
-//!   fifty conditions would be 2^50.
+//!   relevant there. It is for many conditions of which each state reads only a few. As a [`dfa`],
+//!   an automaton over fifty conditions would need 2^50 letters.
 //!
 //! There are also two kinds of regular expressions, for the same reason:
 //!
@@ -20,8 +20,8 @@
 //!   complement and intersection, which a nondeterministic automaton does not support directly.
 //!
 //! [`ltl`] converts a safety formula to a [`dfa`], and a formula with eventualities to a
-//! [`symbolic`] automaton. Formulas with source positions, and rewriting before this stage, belong
-//! to the crates that read them.
+//! [`symbolic`] automaton. Formulas with source positions, and their rewriting before this stage,
+//! belong to the crates that read the formulas.
 
 pub mod antichain;
 pub mod bound;

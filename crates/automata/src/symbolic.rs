@@ -3,8 +3,8 @@
 //!
 //! Conditions are numbered and tested in ascending order, as in binary decision diagrams without
 //! sharing (Akers, "Binary decision diagrams", 1978). Every step has a successor. The user of the
-//! automaton defines the meaning of *accepting*: either a word may end in the state, or such states
-//! must recur for ever (Büchi).
+//! automaton defines the meaning of *accepting*: either that a word can end in the state, or that
+//! such states have to recur for ever (Büchi).
 
 use crate::bound::BoundExceeded;
 use std::collections::BTreeMap;

@@ -2,8 +2,9 @@
 //!
 //! There are two kinds of files. An *entry* is stored under a hash of everything that determines a
 //! result: the specification without its source positions, the solver options, and the program
-//! itself. A *version* is stored under a contract's name. It records the final variable order of
-//! the contract's last large game and the winning region, for use once the contract has changed.
+//! itself. A *version* is stored under a contract's name. It records the winning region and the
+//! final variable order of the contract's last large game; both are used once the contract has
+//! changed.
 //!
 //! Every file is written atomically, can be deleted at any time, and is ignored if its checksum
 //! does not match. Failures to write are ignored. Entries hold results but no messages, so that
@@ -38,7 +39,7 @@ const PROGRAM: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("LINEWRIGHT_S
 /// size is left.
 const MAX_BYTES: u64 = 512 << 20;
 
-/// Maximum number of nodes of a winning region that is stored.
+/// Maximum number of BDD nodes of a stored winning region; a larger one is not stored.
 const MAX_REGION_NODES: usize = 500_000;
 
 /// A cache folder.
@@ -62,7 +63,8 @@ pub struct Entry {
     /// Formulas that demand less than they seem to; `None` if not examined, or the game was too
     /// large.
     pub shape: Option<WeaknessFindings>,
-    /// For an unrealizable contract, the explanation.
+    /// For an unrealizable contract, the explanation of why no controller exists, if it was
+    /// computed.
     pub lost: Option<Box<Explanation>>,
     /// Whether a controller was requested.
     pub extracted: bool,
@@ -82,7 +84,7 @@ type Region = (Vec<(u16, u32, u32)>, u32);
 /// Checks of a contract that were made in addition to its verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ExaminationDepth {
-    /// None.
+    /// No checks.
     Nothing,
     /// The environment only.
     Plant,
@@ -116,7 +118,7 @@ struct Formulas {
     justice: BTreeSet<String>,
 }
 
-/// Results of an earlier version of a contract from which a solve can start.
+/// Results of an earlier version of a contract, from which solving the current version can start.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Hints {
     /// Variable order to start with.
@@ -140,7 +142,7 @@ pub struct Options<'a> {
     pub extraction: ExtractionOptions,
 }
 
-/// File name of an entry.
+/// Hash under which an entry is stored; it is part of the entry's file name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Key(String);
 
@@ -239,18 +241,19 @@ impl Formulas {
         }
     }
 
-    /// Whether the winning region for these formulas contains the winning region for `new`.
+    /// Whether the winning region for these formulas is certain to contain the winning region for
+    /// `new`.
     ///
-    /// Let `F(Z) = ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre((Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′))`, whose greatest fixpoint
-    /// within the legal states S is the region. If `F′(Z) ⊆ F(Z)` for all Z, and `S′ ⊆ S`, then
-    /// `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. This holds when
+    /// Let `F(Z) = ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre((Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′))`. The winning region is the
+    /// greatest fixpoint of `F` within the legal states S. If `F′(Z) ⊆ F(Z)` for all Z, and `S′ ⊆
+    /// S`, then `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. This holds when
     ///
     /// - the assumed invariants are the same and every guaranteed invariant remains: `S′ ⊆ S`. With
     ///   fewer assumed invariants there would be new states, about which nothing is known;
     /// - no assumed safety is new: the plant can do everything it could before, so `∀x′. ρe → …`
-    ///   became harder;
-    /// - every guaranteed safety remains: the machine can do at most what it could before, so
-    ///   `∃y′. ρs ∧ …` became harder;
+    ///   became harder to satisfy;
+    /// - every guaranteed safety remains: the machine can do at most what it could before, so `∃y′.
+    ///   ρs ∧ …` became harder to satisfy;
     /// - no assumed justice is new: `⋁ᵢ` ranges over a subset. The empty list means `Aᵢ = true`,
     ///   which makes `νX` smaller than any other assumption does;
     /// - every guaranteed justice remains: `⋀ⱼ` ranges over a superset. The empty list means
@@ -298,8 +301,8 @@ impl Version {
         }
     }
 
-    /// Returns what a solve of `specification` can start with. The solver checks the region itself
-    /// and uses it only if it fits.
+    /// Returns the results with which solving `specification` can start. The solver checks the
+    /// region itself and uses it only if it fits.
     pub fn hints(&self, specification: &Specification) -> Hints {
         if self.variables != variables(specification) {
             return Hints {
@@ -327,7 +330,7 @@ impl Version {
         }
     }
 
-    /// Order of the variables that both versions share; each new variable follows the variable
+    /// Variable order by the names that both versions share; each new variable follows the variable
     /// declared before it. `None` if fewer than half of the variables are shared.
     fn order_by_name(&self, specification: &Specification) -> Option<Order> {
         let places: BTreeMap<&str, usize> = self
@@ -398,7 +401,7 @@ impl Cache {
         self.write(&format!("entry-{}", key.0), entry);
     }
 
-    /// Whether a machine is recorded to have no findings.
+    /// Whether the cache records that a machine has no findings.
     pub fn is_sound(&self, key: &Key) -> bool {
         self.read(&format!("entry-{}", key.0)) == Some(true)
     }
@@ -457,15 +460,16 @@ impl Cache {
     }
 }
 
-/// Checksum of a file's name and content: thus, a file copied over another one is detected.
+/// Checksum of a file's name and content. The name is included so that a file copied over another
+/// one is detected.
 fn checksum(name: &str, content: &[u8]) -> String {
     let mut hash = Sha256::new_with_prefix(name);
     hash.update(content);
     hex(&hash.finalize())
 }
 
-/// Deletes the oldest files, including temporary files of killed runs, if the folder is larger than
-/// `max` bytes, until half of that is left.
+/// If the folder is larger than `max` bytes, deletes the oldest files, including temporary files of
+/// killed runs, until at most half of `max` is left.
 fn tidy(folder: &Path, max: u64) -> std::io::Result<()> {
     let mut files: Vec<(SystemTime, u64, PathBuf)> = Vec::new();
     for file in std::fs::read_dir(folder)? {

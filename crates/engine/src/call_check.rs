@@ -1,5 +1,6 @@
-//! Checks whether a line calls its stations as their machines assume. In particular, a machine that
-//! is called from outside leaves the order of its skills to the caller.
+//! Checks whether a line calls its stations as their machines assume. For example, a machine that
+//! is called from outside leaves the order of its skills to the caller, so the line has to keep
+//! this order.
 
 use super::closed;
 use crate::controlled::ControlledMachine;

@@ -19,7 +19,7 @@ use linewright_solver::game::{Budget, Limit, Limits};
 use linewright_station::messages;
 use std::collections::BTreeSet;
 
-/// Limits for a closed composition.
+/// Returns `limits` with the budget of a closed composition.
 pub fn bounded(limits: &Limits) -> Limits {
     limits.with_budget(Budget::CLOSED_COMPOSITION)
 }
@@ -104,14 +104,15 @@ pub fn stuck(closed: &ClosedComposition<'_>, stuck: &StuckComponent) -> Diagnost
     finding.with_help("weaken an assumption, or let the machine avoid the steps that lead there")
 }
 
-/// Whether an obligation is the completion goal; completion is reported per operation.
+/// Whether an obligation is the completion goal. It is not reported as an obligation, because
+/// completion is reported per operation.
 pub fn is_completion(closed: &ClosedComposition<'_>, open: &Open) -> bool {
     let formula = replay::formula(&closed.system, &closed.claim, open.what);
     open.what.component.is_none() && formula.name == COMPLETES
 }
 
-/// Findings about operations. In a machine that works only within others, an operation that can
-/// never begin is a warning.
+/// Findings about operations. If the machine works only within others, an operation that can never
+/// begin is reported as a warning instead of an error.
 pub fn operations(
     closed: &ClosedComposition<'_>,
     verdict: &Verdict,
@@ -230,7 +231,7 @@ fn order(closed: &ClosedComposition<'_>, operation: usize, steps: &[Vec<i64>]) -
     let next = next.map(|i| &machine.components[*i]);
     let help = match next.filter(|c| c.active.is_none()) {
         Some(action) => format!(
-            "`{}` is never active: declare when it is, `action {}: {} when ...`",
+            "`{}` is never active: state when it is active, as in `action {}: {} when ...`",
             action.name, action.name, action.contract
         ),
         None if coordinated => {

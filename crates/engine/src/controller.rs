@@ -1,8 +1,10 @@
-//! Extracts the controller of a won game in the requested form, and verifies it.
+//! Extracts the controller of a won game in the requested form (a machine or functions), and
+//! verifies it.
 //!
 //! If either form is acceptable, a machine is tried only for small games. It is abandoned when it
 //! grows too large, or when its tables would take too much space in a station library. The limits
-//! count bits, nodes and bytes: with a time limit, the form would depend on the computer.
+//! count bits, nodes and bytes instead of seconds: with a time limit, the form would depend on the
+//! speed of the computer.
 
 use super::pipeline::InternalError;
 use super::statistics::Seconds;
@@ -18,8 +20,8 @@ const MACHINE_PEAK_NODES: u64 = 50_000;
 /// Maximum number of bit pairs of games for which a machine is tried.
 const MACHINE_PAIRS: usize = 48;
 
-/// If functions are acceptable: maximum number of live nodes, and of pairs of state and inputs to
-/// verify, before a machine is abandoned.
+/// If functions are acceptable: a machine is abandoned when it needs more live nodes than this, or
+/// when more pairs of a state and inputs would have to be verified.
 const MACHINE_NODES: u64 = 500_000;
 
 /// If functions are acceptable: maximum size of a machine's tables in bytes.
@@ -39,7 +41,7 @@ pub struct ExtractionOptions {
 pub enum Controller {
     /// No controller was requested.
     NotRequested,
-    /// A limit was reached first.
+    /// A limit was reached before the controller was verified.
     Stopped(Limit),
     /// A verified machine.
     Machine(Machine),
@@ -89,7 +91,8 @@ pub fn controller(
     }
 }
 
-/// A verified controller, or the rule that it breaks.
+/// A verified controller, or the rule that the extracted controller violates. The outer error is
+/// the limit that stopped the extraction.
 type Extracted = Result<Result<Controller, String>, Limit>;
 
 struct Work<'a> {

@@ -103,8 +103,8 @@ impl StandardLibrary {
     }
 }
 
-/// Maps each canonical path on disk to the name by which the file was first reached: in the folder
-/// `a`, the path `../a/b.lw` and links to the file also get the name `b.lw`.
+/// Maps each canonical path on disk to the name by which the file was first reached: in the working
+/// directory `a`, the path `../a/b.lw` and links to the file also get the name `b.lw`.
 #[derive(Debug, Default)]
 struct Names(BTreeMap<PathBuf, String>);
 
@@ -157,7 +157,7 @@ pub struct Foreign {
     pub file: FileId,
     /// File name without folder and extension; also the contract's name.
     pub name: String,
-    /// Result of reading it.
+    /// Result of reading the file.
     pub reading: Reading,
 }
 
@@ -167,7 +167,7 @@ impl LoadedFiles {
         self.foreign.iter().find(|f| f.file == file)
     }
 
-    /// Whether a file of another tool gave no specification, because of an error of any kind.
+    /// Whether some file of another tool yielded no specification, because of an error of any kind.
     pub fn has_invalid_foreign(&self) -> bool {
         let mut foreign = self.foreign.iter();
         foreign.any(|f| f.reading.specification.is_none())
@@ -288,7 +288,8 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
     loaded
 }
 
-/// The given paths, or the default folder if there are none; empty for the whole library.
+/// Returns the given paths, or the default folder if there are none. An empty result stands for the
+/// whole library.
 fn or_default(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
     if paths.is_empty() && standard.folder.is_none() && Path::new(DEFAULT_FOLDER).is_dir() {
         return vec![DEFAULT_FOLDER.to_owned()];
@@ -296,8 +297,8 @@ fn or_default(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
     paths.to_vec()
 }
 
-/// Paths on disk that a command with these arguments depends on: the folders, and the files in them
-/// and among the arguments, whether they exist or not. Imports are not included.
+/// Folders and files on disk that a command with these arguments depends on. The files are those in
+/// the folders and those among the arguments, even if they do not exist. Imports are not included.
 pub fn watched_paths(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Vec<PathBuf>) {
     let (mut folders, mut files) = (Vec::new(), Vec::new());
     let paths = or_default(paths, standard);
@@ -322,7 +323,7 @@ type Resolution = Result<(String, String), (String, String)>;
 /// Name and text of a file, or the finding that it cannot be read.
 pub type Read = Result<(String, String), Diagnostic>;
 
-/// Reads each of the files, and every `.lw` file below each of the folders, once.
+/// Reads the given files, and every `.lw` file below the given folders. Each file is returned once.
 pub fn read_all(paths: &[String]) -> Vec<Read> {
     let mut files: Vec<Read> = Vec::new();
     for path in paths {

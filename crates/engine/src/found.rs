@@ -8,8 +8,8 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::order::lower::rule_name;
 
-/// Converts a proof's failures to findings. `at` maps the index of a part to its place in the text;
-/// the claim's own formulas have no part.
+/// Converts a proof's failures to findings. `at` maps the index of a part to its place in the text.
+/// It receives `None` for the claim's own formulas, which belong to no part.
 pub fn of_proof(
     printer: ProofPrinter<'_>,
     proof: &Proof,

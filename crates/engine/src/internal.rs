@@ -3,8 +3,8 @@
 //!
 //! A panic means that an invariant of the program is violated, so the program cannot conclude
 //! anything about the checked object. It becomes a finding (LW007, exit code 4) that names the
-//! activity. Activities are named where they begin ([`within`], [`caught`]), in any thread; a panic
-//! takes its context along to the waiting thread.
+//! activity. Activities are named where they begin ([`within`], [`caught`]), in any thread. If a
+//! thread panics, the names of its activities are passed to the thread that waits for it.
 //!
 //! A build with debug assertions panics on purpose if the environment variable `LINEWRIGHT_PANIC`
 //! is a part of the activity's name. The tests use this to reach every place that catches panics.
@@ -104,7 +104,8 @@ pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Re
     CATCHING.set(CATCHING.get() - 1);
     result.map_err(|payload| {
         let mut fault = Fault::of(payload);
-        // Threads have an empty name, which adds no activity.
+        // The name is empty for the work of a thread, which is not an activity of its own (see
+        // `worker`).
         fault
             .doing
             .splice(0..0, named.filter(|doing| !doing.is_empty()));

@@ -18,8 +18,8 @@ use linewright_solver::game::Limits;
 /// Systems and claims that were proved before: two machines of the same kind are proved once.
 type ProvedSystems = Vec<(System, Claim)>;
 
-/// Proves the refinements on which the proof of a machine relies; a contract that is not kept is a
-/// finding at the inner machine.
+/// Proves the refinements on which the proof of a machine relies; a contract that is not kept is
+/// reported at the inner machine.
 pub(super) fn prove_refinements(
     machine: &Machine,
     limits: &Limits,

@@ -84,7 +84,7 @@ impl BuildOutput {
 }
 
 /// Writes the probe's library, or its sources, and the SimTalk methods that call it. With a
-/// profile, it is the probe of the second round.
+/// profile, writes the probe for the second round.
 pub fn build_probe(
     profile: Option<&Profile>,
     toolchain: Option<&Toolchain>,

@@ -29,11 +29,12 @@ const CALLS: Bounds = Bounds {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LineVerdict {
-    /// Proved.
+    /// It is proved that every part keeps moving.
     Proved,
-    /// Proved that there is no global deadlock; progress of every part was not decided.
+    /// It is proved that there is no global deadlock; whether every part keeps moving was not
+    /// decided.
     Safe,
-    /// Not proved, for the reasons in the findings.
+    /// The proof failed, for the reasons in the findings.
     Open,
     /// A limit was reached.
     #[default]
@@ -51,7 +52,7 @@ pub struct Proof {
     pub undecided: Vec<String>,
     /// For each requirement and each assumption of a place, the formulas from which it follows.
     pub discharges: Vec<DischargeEntry>,
-    /// Whether all calls were tried, so that every part is known to have a route or not.
+    /// Whether all calls were tried. If so, it is known for every part whether it has a route.
     pub routes_decided: bool,
     /// Problems found.
     pub findings: Vec<Diagnostic>,
@@ -66,7 +67,7 @@ pub fn examine<'a>(
     limits: &Limits,
     with_table: bool,
 ) -> Proof {
-    // Parts are only worked on if every call is answered.
+    // The calls are examined first, because a station works on parts only if it answers every call.
     let Followed {
         calls,
         problems,
@@ -90,8 +91,8 @@ pub fn examine<'a>(
         proof.verdict = LineVerdict::Open;
         proof.discharges.clear();
         proof.undecided.clear();
-        // While there are errors, undecided questions are not worth reporting; a limit that was
-        // reached decides the exit code.
+        // While there are errors, undecided questions are not worth reporting. Findings about a
+        // limit that was reached remain, because they determine the exit code.
         proof
             .findings
             .retain(|f| f.code != codes::LINE_UNDECIDED || f.gave_up);
@@ -299,8 +300,8 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     }
 }
 
-/// Table of discharges. If goals are undecided, it has only the requirements other than justice
-/// that were shown without lemmas.
+/// Table of discharges. If goals are undecided, the table leaves out justice and all requirements
+/// that were shown with lemmas.
 ///
 /// # Errors
 /// A limit was reached first; the verdict does not depend on the table.

@@ -26,7 +26,7 @@ use serde::Serialize;
 pub enum MachineContext {
     /// On its own in a plant, in which its signals have the values declared in its file.
     Alone,
-    /// Only within other machines, which bind its signals; it is also proved with them.
+    /// Only within other machines, which bind its signals; the proofs of those machines include it.
     Within,
 }
 
@@ -37,7 +37,7 @@ pub struct MachineProof {
     pub discharges: Vec<DischargeEntry>,
     /// Verdict on the closed composition of its controllers; `None` before it was tried.
     pub closed: Option<ClosedEntry>,
-    /// Contracts that it is declared to refine.
+    /// Verdicts on the contracts that the machine is declared to refine.
     pub refines: Vec<RefinesEntry>,
     /// Problems found.
     pub findings: Vec<Diagnostic>,
@@ -61,15 +61,15 @@ pub enum ClosedVerdict {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RefinementVerdict {
-    /// The machine keeps it.
+    /// The machine keeps the contract.
     Refined,
-    /// A run violates it.
+    /// A run violates the contract.
     Broken,
     /// A limit was reached.
     GaveUp,
 }
 
-/// The closed composition: each component is its controller.
+/// The closed composition, in which controllers represent the components.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct ClosedEntry {
     /// Verdict on the composition.
@@ -97,7 +97,7 @@ pub struct TakenEntry {
 pub struct RefinesEntry {
     /// Name of the contract.
     pub contract: String,
-    /// Whether it is kept.
+    /// Whether the machine keeps the contract.
     pub verdict: RefinementVerdict,
     /// Verdict of the closed composition, if the components' contracts do not prove the refinement.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,8 +106,8 @@ pub struct RefinesEntry {
     pub discharges: Vec<DischargeEntry>,
 }
 
-/// Proves the obligations of a machine: for all controllers that keep the contracts, and for the
-/// actual controllers, which can meet obligations that no contract implies.
+/// Proves the obligations of a machine, both for all controllers that keep the contracts and for
+/// the actual controllers. The latter can meet obligations that no contract implies.
 pub fn prove_machine(
     controlled: &ControlledMachine<'_>,
     context: MachineContext,
@@ -115,7 +115,8 @@ pub fn prove_machine(
 ) -> MachineProof {
     let limits = &limits.with_budget(Budget::MACHINE);
     let mut result = MachineProof::default();
-    // An inner machine is represented by the contracts that it refines; this is proved first.
+    // An inner machine is represented by the contracts that it refines. First, it is proved that
+    // the machine keeps them.
     within("proving its inner machines", || {
         layers::prove_refinements(controlled.machine, limits, &mut result.findings);
     });
@@ -148,7 +149,7 @@ pub fn prove_machine(
     match prove(&system, &claim, limits) {
         Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
         Err(limit) => {
-            // Whatever the controllers leave undecided is then covered by this finding.
+            // This finding also covers whatever the controllers leave undecided.
             let limited = undecided(machine.span, &machine.name, limit);
             if let Some(verdict) = both.verdict {
                 let met = verdict.met.iter().map(|(at, met)| both.shown(*at, *met));
@@ -279,9 +280,9 @@ impl CombinedProof<'_> {
         entries.into_iter().map(|(_, e)| e).collect()
     }
 
-    /// Obligations that the coordinator's states show to be met although the contracts do not:
-    /// assumptions, if no assumption is found to be violated, and completion of requests, if there
-    /// are no findings at all.
+    /// Obligations that are met in all states of the coordinator although the contracts do not
+    /// imply them. Assumptions are included if no assumption is found to be violated; the
+    /// completion of requests is included if there are no findings at all.
     fn by_the_walk(&self, proof: &Proof) -> Vec<(FormulaRef, DischargeEntry)> {
         let sound = self
             .walked
@@ -314,7 +315,8 @@ impl CombinedProof<'_> {
         skipped: &[FormulaRef],
         findings: &mut Vec<Diagnostic>,
     ) {
-        // Completion is reported per operation, and a cycle as one finding.
+        // Completion is left out because it is reported per operation, and members of a cycle
+        // because the whole cycle is one finding.
         let open = verdict.open.iter();
         let open =
             open.filter(|o| !closed::is_completion(self.closed, o) && !skipped.contains(&o.what));
@@ -363,7 +365,7 @@ impl CombinedProof<'_> {
         component.map_or(self.span, |c| c.span)
     }
 
-    /// Entry for an obligation that only the controllers show to be met.
+    /// Entry for an obligation that the controllers meet although the contracts do not imply it.
     fn shown(&self, at: FormulaRef, met: DischargeMethod) -> DischargeEntry {
         DischargeEntry {
             component: self.printer.owner(at).to_owned(),
@@ -387,7 +389,7 @@ fn members(proof: &Proof) -> Vec<FormulaRef> {
     cycles.flat_map(|c| c.assumptions.iter().copied()).collect()
 }
 
-/// The closed composition as an entry of the document.
+/// The closed composition as an entry of the JSON document.
 fn closed_entry(closed: &ClosedComposition<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
     let components = closed.machine.components.iter().zip(&closed.participants);
     ClosedEntry {

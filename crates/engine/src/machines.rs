@@ -35,7 +35,7 @@ impl<'a> MachinePlan<'a> {
         }
     }
 
-    /// The worst verdict of its components.
+    /// The worst verdict of the machine's components.
     pub fn verdict(&self, checked: &[CheckedContract]) -> Verdict {
         self.jobs
             .iter()
@@ -43,8 +43,8 @@ impl<'a> MachinePlan<'a> {
             .fold(Verdict::Realizable, Verdict::and)
     }
 
-    /// Findings about its components. If a contract has no controller by itself, the finding there
-    /// is only referenced here.
+    /// Findings about the machine's components. If a contract has no controller even without the
+    /// machine's arguments, the finding here only refers to the one at the contract.
     pub fn findings(&self, jobs: &Jobs, checked: &[CheckedContract]) -> Vec<Diagnostic> {
         let mut findings = Vec::new();
         for (component, index) in self.machine.components.iter().zip(&self.jobs) {

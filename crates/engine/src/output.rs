@@ -9,8 +9,8 @@ use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Writes a file and creates its folder if necessary. A symbolic link is kept; its target is
-/// written.
+/// Writes a file and creates its folder if necessary. If the path is a symbolic link, the link is
+/// kept and its target is overwritten.
 ///
 /// # Errors
 /// The file cannot be written, is not a regular file (a device, a named pipe), or is one of the

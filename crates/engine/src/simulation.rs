@@ -31,7 +31,7 @@ pub struct SimulationOptions {
 pub struct Run {
     /// Traces of the runs in seed order; never empty.
     pub traces: Vec<Trace>,
-    /// Combined figures, and problems in any of the runs.
+    /// Combined statistics of all runs, and the problems found in any of them.
     pub replications: Replications,
     /// Wall-clock seconds for all runs.
     pub seconds: f64,

@@ -22,7 +22,8 @@ pub struct Statistics {
     pub known_region: bool,
     /// Name of the kernel; empty if none was started.
     pub kernel: String,
-    /// Number of pairs of a bit in the current and in the next state.
+    /// Number of bit pairs; a pair is a bit of the current state and the same bit of the next
+    /// state.
     pub pairs: usize,
     /// Whether the game is too large for checks in addition to its verdict.
     pub large: bool,

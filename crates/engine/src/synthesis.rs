@@ -73,8 +73,9 @@ impl<'a> Synthesis<'a> {
         self.controlled().count() == self.planned.len()
     }
 
-    /// Returns the machine that has the same controllers as `machine`, if it is one of these and
-    /// every component has a controller; see [`machines::is_alike`].
+    /// Returns the synthesized machine that has the same controllers as `machine` (see
+    /// [`machines::is_alike`]). `None` if there is none, or if one of its components has no
+    /// controller.
     pub fn of(&self, machine: &Machine) -> Option<ControlledMachine<'_>> {
         let mut planned = self.planned.iter();
         let alike = planned.find(|p| machines::is_alike(p.machine, machine))?;

@@ -47,7 +47,7 @@ impl<'a> ProofPrinter<'a> {
         }
     }
 
-    /// Names of the formulas by which an obligation is discharged, in one line.
+    /// Names of the formulas by which an obligation is discharged, on one line.
     pub fn discharged_by(&self, discharge: &Discharge) -> String {
         let mut names: Vec<String> = Vec::new();
         for at in &discharge.by {
@@ -164,7 +164,7 @@ impl<'a> ProofPrinter<'a> {
                 let Some((a, b)) = implication(&guarantee.expr) else {
                     continue;
                 };
-                // `b` is assumed to lead to `q`, and `q` is among the conjuncts that lead to `b`.
+                // The assumption is `b -> q`, and `q` is one of the conjuncts of `a`.
                 if *b == *p && a.conjuncts().iter().any(|c| same_truth(c, q)) {
                     return Some(format!(
                         "{}: {}",
@@ -200,8 +200,8 @@ impl<'a> ProofPrinter<'a> {
         steps_table(self.system, &shown, &steps) + &end
     }
 
-    /// Variables of a formula, and of the guarantees that constrain one of them in the part that
-    /// sets it; without internal variables.
+    /// Variables of a formula, and of each guarantee by which a part constrains one of these
+    /// variables that the part sets. Internal variables are left out.
     fn relevant_variables(&self, at: FormulaRef) -> Vec<VarId> {
         let mut found: BTreeSet<VarId> = BTreeSet::new();
         let mut add = |expr: &Expr| {
@@ -391,7 +391,8 @@ fn same_truth(a: &Expr, b: &Expr) -> bool {
 /// How an obligation is met, for the JSON documents of `check`.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct DischargeEntry {
-    /// The component, or the machine or contract that guarantees it.
+    /// The component whose assumption is discharged, or the machine or contract whose guarantee is
+    /// discharged.
     pub component: String,
     /// Name of the assumption or guarantee.
     pub assumption: String,

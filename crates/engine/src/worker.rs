@@ -1,7 +1,7 @@
 //! Runs work with a deadline on its own thread, and abandons the thread if the work is late.
 //!
 //! The stages check the deadline between operations of the BDD kernel; a single operation cannot be
-//! interrupted and may take minutes. So the caller continues shortly after the deadline with what
+//! interrupted and can take minutes. So the caller continues shortly after the deadline with what
 //! the work has reported by then. The thread keeps running until the program ends, which is soon.
 
 use super::internal;
@@ -11,8 +11,8 @@ use std::time::Duration;
 #[cfg(test)]
 use std::time::Instant;
 
-/// Additional time in which the work can notice the deadline by itself, which gives a better
-/// answer.
+/// Time after the deadline in which the work can still notice the deadline by itself. Its own
+/// answer says more than the values reported before.
 const GRACE: Duration = Duration::from_millis(300);
 
 /// Interval between checks of the deadline; an interrupt can bring the deadline forward.

@@ -1,10 +1,10 @@
-//! Prints a specification as a contract in Linewright's own language, with the same verdict.
+//! Prints a specification as a contract in Linewright's own language. Both have the same verdict.
 //!
 //! A transition formula that refers to current values only is weaker than an invariant: it has to
 //! hold only in steps that have a successor. The language expresses this with `next true -> ...`.
-//! The prefix is omitted where every step has a successor, because no safety assumption restricts
-//! the environment's moves. Names that the language does not allow are replaced, and listed in
-//! comments.
+//! The writer omits this prefix if no safety assumption restricts the environment's moves, because
+//! every step has a successor then. It replaces names that the language does not allow, and lists
+//! them in comments.
 
 use super::rename::renamed;
 use super::write::is_truth;
@@ -16,12 +16,13 @@ use linewright_core::source::FileId;
 use linewright_syntax::{format, is_reserved, parse};
 use std::fmt::Write as _;
 
-/// Maximum number of operands of one chain; the language's parser has its own limit.
+/// Maximum number of operands in one chain of `and` or `or`; longer chains are grouped in
+/// parentheses.
 const CHAIN: usize = 100;
 /// Nesting depth from which a subexpression becomes a `define`.
 const DEEP: usize = 40;
 
-/// Names that are allowed, but look like a function or a type.
+/// Names that the language allows but that look like a function or a type. They are replaced, too.
 const MISLEADING: [&str; 5] = ["min", "max", "abs", "bool", "array"];
 
 fn is_name(name: &str) -> bool {
@@ -33,7 +34,7 @@ fn is_name(name: &str) -> bool {
 
 /// Prints `specification` as a contract.
 ///
-/// `origin` becomes a comment in the first line; see [`origin`].
+/// `origin` is the text of the comment in the first line; the function [`origin`] composes it.
 pub fn write(specification: &Specification, origin: &str) -> String {
     let variables = specification.variables.iter().map(|v| v.name.as_str());
     let name = renamed([specification.name.as_str()], "Contract", is_name)
@@ -140,7 +141,8 @@ pub fn write(specification: &Specification, origin: &str) -> String {
     formatted(text)
 }
 
-/// The text in the layout of `fmt`; unchanged if the parser rejects it as too deeply nested.
+/// Formats the text as `fmt` does. Returns it unchanged if the parser rejects it as too deeply
+/// nested.
 fn formatted(text: String) -> String {
     let (file, findings) = parse(FileId::default(), &text);
     if !findings.is_empty() {
@@ -149,7 +151,7 @@ fn formatted(text: String) -> String {
     format::format_checked(&file, &text).unwrap_or(text)
 }
 
-/// The comment that names the file and the format a contract was imported from.
+/// The text of the comment that names the imported file and the tool of its format.
 pub fn origin(file: &str, format: Format) -> String {
     format!(
         "Imported from {file}, a specification for {}.",
@@ -160,7 +162,8 @@ pub fn origin(file: &str, format: Format) -> String {
 struct Printer<'s> {
     specification: &'s Specification,
     names: &'s [String],
-    /// For each variable, the labels that its values are printed with.
+    /// For each variable, the labels that its values are printed with; `None` if they are printed
+    /// as numbers or truth values.
     labels: &'s [Option<&'s [String]>],
     used: Vec<String>,
     defines: Vec<(String, String)>,
@@ -170,18 +173,18 @@ struct Printer<'s> {
 struct Printed {
     text: String,
     depth: usize,
-    /// Where the text needs no parentheses.
+    /// How tightly the text binds. This decides where it needs parentheses.
     binds: Binds,
 }
 
 /// How tightly an expression binds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binds {
-    /// Only as a whole formula.
+    /// The expression needs parentheses unless it is a whole formula.
     Loosely,
-    /// As an operand of `and`, `or` and `->`: a comparison or a negation.
+    /// A comparison or a negation: needs no parentheses as an operand of `and`, `or` or `->`.
     AsOperand,
-    /// As an operand of any operator.
+    /// Needs no parentheses as an operand of any operator.
     Tightly,
 }
 
@@ -225,8 +228,8 @@ impl Printer<'_> {
         name
     }
 
-    /// Prints an expression; `truth` is whether its constants are truth values. The recursion is as
-    /// deep as the expression.
+    /// Prints an expression. Its constants are truth values if `truth` is set, otherwise numbers.
+    /// The recursion is as deep as the expression.
     fn print(&mut self, expr: &Expr, truth: bool) -> Printed {
         use BinaryOp as B;
         let leaf = |text: String| Printed {
@@ -245,7 +248,8 @@ impl Printer<'_> {
                     Time::Now => name.clone(),
                     Time::Next => format!("next {name}"),
                 };
-                // A Boolean as an operand of arithmetic.
+                // A Boolean operand of arithmetic becomes a number, because the language does not
+                // convert it.
                 if s.variable(*v).domain == Domain::Bool && !truth {
                     return Printed {
                         text: format!("(if {text} then 1 else 0)"),
@@ -363,7 +367,8 @@ impl Printer<'_> {
     }
 }
 
-/// The operands of a chain of one operator. The recursion is as deep as the expression.
+/// Collects the operands of a chain of `op`, from left to right. The recursion is as deep as the
+/// expression.
 fn operands_of<'e>(op: BinaryOp, expr: &'e Expr, found: &mut Vec<&'e Expr>) {
     match expr {
         Expr::Binary(inner, a, b) if *inner == op => {

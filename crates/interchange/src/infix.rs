@@ -1,4 +1,5 @@
-//! Parses the infix formulas of gr1c and structured slugs: words and operator precedence.
+//! Parses the infix formulas of gr1c and structured slugs: splits them into words and applies the
+//! precedence of the operators.
 //!
 //! The parser is Dijkstra's shunting yard with two explicit stacks: it takes linear time, does not
 //! recurse, and reports a syntax error at the first word that does not fit. The two formats differ
@@ -13,11 +14,11 @@ use std::ops::Range;
 /// Vocabulary and operator precedence of a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dialect {
-    /// gr1c: `&` and `|` bind equally, every operator groups from the left, and comparisons are
-    /// between a variable and a number.
+    /// gr1c: `&` and `|` bind equally tightly, and every operator groups from the left. A
+    /// comparison has a variable on its left and a number on its right.
     Spc,
-    /// Structured slugs: `&`, `|`, `^`, `->`, `<->` from tight to loose, each grouping from the
-    /// left, and arithmetic.
+    /// Structured slugs: `&`, `|`, `^`, `->` and `<->` bind from tightest to loosest and group from
+    /// the left. Arithmetic is allowed.
     Structured,
 }
 
@@ -89,7 +90,8 @@ pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<To
     found
 }
 
-/// Signs of both formats, each before its own prefixes.
+/// Signs of both formats. A sign comes before any other sign that is a prefix of it, because the
+/// first match is taken.
 const COMMON: &[(&str, Word)] = &[
     ("<->", Word::Infix(Infix::Iff)),
     ("->", Word::Infix(Infix::Op(BinaryOp::Implies))),
@@ -109,7 +111,7 @@ const COMMON: &[(&str, Word)] = &[
     ("[", Word::OpenBracket),
     ("]", Word::CloseBracket),
 ];
-/// Signs of gr1c only.
+/// Signs of gr1c only, matched before the common ones.
 const SPC: &[(&str, Word)] = &[
     ("'", Word::Prime),
     (",", Word::Comma),
@@ -173,7 +175,8 @@ fn word(rest: &str, c: char, dialect: Dialect) -> (Word, usize) {
         })
 }
 
-/// A completed subformula or number, with its byte range and the [`Names::mark`] before it.
+/// A completed subformula or number, with its byte range. `mark` is the value of [`Names::mark`]
+/// before it was read.
 #[derive(Debug, Clone)]
 struct Operand {
     term: Term,
@@ -214,8 +217,8 @@ fn binding(infix: Infix, dialect: Dialect) -> u8 {
 
 /// Parses a formula from its tokens.
 ///
-/// Reports errors and returns `None` for them. `whole` is the location of the error for a formula
-/// without tokens.
+/// After an error, which is reported, returns `None`. An error about a formula without tokens is
+/// reported at `whole`.
 pub(super) fn formula(
     names: &mut Names<'_>,
     tokens: &[Token],
@@ -333,7 +336,7 @@ impl Yard<'_, '_> {
                         "begin each formula of a section with its operator, and join them with `&`: `[]a & []b`"
                     }
                     Dialect::Structured => {
-                        "the section says how often a formula holds: write it without temporal operators"
+                        "the section already says when its formulas hold: write them without temporal operators"
                     }
                 };
                 let after = self.names.text[range.end..].trim_start();
@@ -397,7 +400,8 @@ impl Yard<'_, '_> {
             let name = name.to_owned();
             self.names.unknown(&name, range.clone());
             self.sound = false;
-            // `true` avoids further findings about the same name.
+            // The constant `true` replaces the unknown variable, so that the name causes no further
+            // findings.
             let term = self.names.terms.bool(true);
             self.leaf(term, range, 1);
             return;
@@ -407,7 +411,8 @@ impl Yard<'_, '_> {
         let held = u64::BITS - ((high - low) as u64).leading_zeros();
         let bits = match low {
             0 => held,
-            // The bits hold the distance from the smallest value, which the translator adds.
+            // The bits hold the distance from the smallest value. The translator adds the smallest
+            // value to it, and the sum can need one more bit.
             _ => held.max(u64::BITS - low.unsigned_abs().leading_zeros()) + 1,
         };
         self.operands.push(Operand {
@@ -422,7 +427,8 @@ impl Yard<'_, '_> {
     fn infix(&mut self, infix: Infix, range: Range<usize>) -> Option<()> {
         use BinaryOp as B;
         let level = binding(infix, self.dialect);
-        // Operators that bind tighter, as in `a | x < 1 & c`, belong to the operand in between.
+        // Skip operators that bind more tightly than `infix`: in `a | x < 1 & c`, the `<` belongs
+        // to the operand between `|` and `&`.
         let waiting = self.waiting.iter().rev();
         let before = waiting
             .take_while(|w| !matches!(w, Waiting::Open(..)))
@@ -497,7 +503,7 @@ impl Yard<'_, '_> {
         }
     }
 
-    /// Applies waiting operators that bind at least as tightly as `level`.
+    /// Applies waiting operators until one binds more loosely than `level`.
     fn reduce(&mut self, level: u8) {
         while let Some(waiting) = self.waiting.last().cloned() {
             match waiting {
@@ -542,7 +548,8 @@ impl Yard<'_, '_> {
         self.operands.push(operand);
     }
 
-    /// Reports an operand of the wrong kind; returns a constant of the `wanted` kind.
+    /// Reports an operand of the wrong kind. Returns a constant of the `wanted` kind to continue
+    /// with.
     fn mistyped(&mut self, operand: &Operand, wanted: Kind) -> Term {
         if self.sound {
             let (message, help) = match wanted {
@@ -597,8 +604,8 @@ impl Yard<'_, '_> {
                 self.names.note(
                     codes::OWN_TOOL,
                     range.clone(),
-                    "slugs' translator refuses `-` and `*`; they are exact here",
-                    "to make the file readable by both, write a subtraction as an addition on the other side",
+                    "slugs' translator refuses `-` and `*`; here they are computed exactly",
+                    "to make the file readable by both tools, write a subtraction as an addition on the other side",
                 );
             }
             let bits = match op {
@@ -640,7 +647,7 @@ impl Yard<'_, '_> {
         }
     }
 
-    /// Applies [`Infix::Overwrite`]; the left operand needs fewer bits than the right one.
+    /// Applies [`Infix::Overwrite`]. The left operand must have fewer bits than the right one.
     fn overwrite(&mut self, a: &Operand, b: &Operand) -> (Term, u32) {
         if a.bits >= b.bits || a.bits > 40 {
             if self.sound && !self.names.mentions_refused() {

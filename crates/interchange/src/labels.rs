@@ -8,7 +8,7 @@ use linewright_core::gr1::{BinaryOp, Domain, Expr, Specification, VarId};
 /// For each variable, the labels that its values are printed with.
 ///
 /// `None` for a number or truth value, and for an enumeration that has to be printed as a number.
-/// `is_free` is whether a label can appear as a name.
+/// `is_free` returns whether a label is a valid name that nothing else has.
 pub(super) fn kept<'s>(
     specification: &'s Specification,
     is_free: &dyn Fn(&str) -> bool,
@@ -21,7 +21,8 @@ pub(super) fn kept<'s>(
             _ => None,
         })
         .collect();
-    // A label may belong to one enumeration only, so that it always means the same value.
+    // If a label occurs in two different enumerations, both are printed as numbers, so that a label
+    // always means the same value.
     let all = kept.clone();
     let is_clear = |labels: &[String]| {
         labels.iter().all(|l| {
@@ -32,8 +33,8 @@ pub(super) fn kept<'s>(
     for slot in &mut kept {
         *slot = slot.filter(|labels| is_clear(labels));
     }
-    // A variable that is compared with a number has to be printed as a number too. Repeat until
-    // nothing changes.
+    // A variable that is compared with one that is printed as a number has to be printed as a
+    // number, too. Therefore repeat until nothing changes.
     loop {
         let before = kept.iter().flatten().count();
         for side in [&specification.assumptions, &specification.guarantees] {
@@ -80,12 +81,12 @@ fn count_with(expr: &Expr, kept: &mut [Option<&[String]>]) {
     }
 }
 
-/// The label of a value.
+/// The label of `value`; `None` if no label has this index.
 pub(super) fn nth(labels: &[String], value: i64) -> Option<&String> {
     labels.get(usize::try_from(value).ok()?)
 }
 
-/// The labels of an expression that is a variable with labels.
+/// The labels of `expr`; `None` unless it is a variable that is printed with labels.
 pub(super) fn of<'s>(expr: &Expr, kept: &[Option<&'s [String]>]) -> Option<&'s [String]> {
     match expr {
         Expr::Var(v, _) => kept[v.index()],

@@ -3,9 +3,10 @@
 //!
 //! [`read`] turns a text into a [`Specification`] and findings. [`write`](fn@write) does the
 //! reverse for the formats that solvers read, and [`contract::write`] prints a specification as a
-//! contract in Linewright's own language. The formats differ in syntax much more than in meaning,
-//! so each reader has its own syntax and shares `terms` (operators, shared nodes, limits on size
-//! and depth) and `names` (declarations, and which section can refer to which variables).
+//! contract in Linewright's own language. The formats differ much more in syntax than in meaning.
+//! Therefore each reader parses its own syntax, but the first three formats share `terms`
+//! (operators, shared nodes, limits on size and depth) and `names` (declarations, and which section
+//! can refer to which variables).
 //!
 //! The meaning follows each format's definition, not the behavior of its tool. Where the two
 //! differ, [`own_tool`] reports the tool's answer. Sources: `spc_format.md` and the grammar of
@@ -103,9 +104,9 @@ pub struct Reading {
     pub format: Format,
     /// The specification in the file; `None` if a finding is an error.
     pub specification: Option<Specification>,
-    /// The specification with only the assumptions that the file itself contains; `None` if
-    /// `specification` has no others. The reader moves or adds assumptions to express the file's
-    /// meaning in GR(1). Checks of the assumptions' quality have to use this specification.
+    /// `specification` with only those assumptions that the file itself contains; `None` if there
+    /// are no others. The reader moves or adds assumptions to express the file's meaning in GR(1).
+    /// Checks of the assumptions' quality have to use this specification.
     pub with_own_assumptions: Option<Arc<Specification>>,
     /// Errors, warnings and notes.
     pub findings: Vec<Diagnostic>,
@@ -115,9 +116,11 @@ pub struct Reading {
     pub span: Span,
 }
 
-/// Loads an imported file, by the path in the import and the importing file.
+/// Loads an imported file. The arguments are the path in the import, and the file that contains the
+/// import.
 ///
-/// Returns the file's id, the same on each call, and its text; or why the file cannot be read.
+/// Returns the imported file's id, which is the same on each call, and its text; or the reason why
+/// the file cannot be read.
 pub type Loader<'a> = dyn FnMut(&str, FileId) -> Result<(FileId, Arc<str>), String> + 'a;
 
 /// Bytes of stack for a reader: the maximum nesting depth times a generous size for each level. The

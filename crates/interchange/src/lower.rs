@@ -1,4 +1,4 @@
-//! Rewrites what a format cannot express, with helper variables. Each lowering preserves the
+//! Uses helper variables to rewrite what a format cannot express. Each lowering preserves the
 //! verdict.
 //!
 //! The lowerings have to run in this order: [`without_invariants`], [`to_mealy`], and then, for
@@ -28,9 +28,9 @@ pub fn without_invariants(specification: &Specification) -> Specification {
 
 /// Turns a Moore game into a Mealy game; a Mealy game is returned unchanged.
 ///
-/// The system chooses its next outputs one step ahead, in helper variables, so that they cannot
-/// depend on the inputs of the same step. An additional first step, in which no other formula
-/// applies, chooses the initial outputs.
+/// The system chooses its outputs one step ahead, in helper variables, so that they cannot depend
+/// on the inputs of the same step. It chooses the initial outputs in an additional first step, in
+/// which no other formula applies.
 #[must_use]
 pub fn to_mealy(specification: &Specification) -> Specification {
     if specification.timing == Timing::Mealy {
@@ -101,9 +101,9 @@ pub fn goals_to_states(specification: &Specification) -> Specification {
 
 /// Turns the system's initial conditions that refer to inputs into conditions on its first step.
 ///
-/// After a wrong start, the environment can make any move and the system can make none. Without
-/// this freedom of the environment, the system could start wrongly and still win wherever the
-/// environment has no first move.
+/// After a wrong first step of the system, the environment can make any move and the system can
+/// make none, so the system loses. If the environment were still bound by its safety assumptions,
+/// it might have no move after a wrong first step, and the system would win.
 #[must_use]
 pub fn initial_to_transitions(specification: &Specification) -> Specification {
     let refers_to_inputs = |f: &Formula| {

@@ -20,11 +20,12 @@ use std::ops::Range;
 const MAX_DOMAIN: i64 = 1 << 20;
 /// Exclusive upper bound of the numbers in formulas.
 const MAX_NUMBER: i64 = 1 << 40;
-/// Maximum number of operators and operands in all expanded formulas of an empty file; 8 are added
-/// for each byte.
+/// Maximum number of operators and operands in all expanded formulas of an empty file. Each byte of
+/// a file adds 8.
 const MIN_BUDGET: u64 = 4 << 20;
 
-/// Maximum number of unknown names for which a similar name is searched, which takes time.
+/// Maximum number of unknown names for which a similar name is searched, because the search takes
+/// time.
 const MAX_GUESSES: usize = 50;
 
 /// The kind of a section of formulas.
@@ -60,7 +61,8 @@ pub(super) struct Names<'t> {
     file: FileId,
     specification: Specification,
     by_name: BTreeMap<&'t str, VarId>,
-    /// Numbers whose domain was refused; their substitute domain must not cause further findings.
+    /// Variables whose numeric domain was refused. They have a substitute domain, which must not
+    /// cause further findings.
     refused: BTreeSet<VarId>,
     /// Variables mentioned so far in the current formula.
     mentions: Vec<Mention>,
@@ -209,7 +211,7 @@ impl<'t> Names<'t> {
         VarId(self.specification.variables.len() as u32 - 1)
     }
 
-    /// The domain `low..=high`; reports one that is empty or too large.
+    /// The domain `low..=high`. If it is empty or too large, reports this and returns `None`.
     pub fn domain(&mut self, low: i64, high: i64, range: Range<usize>) -> Option<Domain> {
         if low > high {
             self.error(
@@ -232,7 +234,8 @@ impl<'t> Names<'t> {
         Some(Domain::Range { low, high })
     }
 
-    /// Parses a number; reports one that is not whole or too large.
+    /// Parses a number. If it is not a whole number or is too large, reports this and returns
+    /// `None`.
     pub fn number(&mut self, digits: &str, range: Range<usize>) -> Option<i64> {
         match digits.parse::<i64>() {
             Ok(value) if value.unsigned_abs() < MAX_NUMBER.unsigned_abs() => Some(value),
@@ -248,7 +251,7 @@ impl<'t> Names<'t> {
         }
     }
 
-    /// The variable with a name, and the kind of its values.
+    /// The variable called `name`, and the kind of its values; `None` if there is no such variable.
     pub fn find(&self, name: &str) -> Option<(VarId, Kind)> {
         let var = *self.by_name.get(name)?;
         let kind = match self.specification.variable(var).domain {
@@ -280,8 +283,8 @@ impl<'t> Names<'t> {
         self.terms.var(var, time, kind)
     }
 
-    /// The term with next values in place of current ones; `mark` was taken before its first
-    /// mention.
+    /// The term with next values in place of current ones. `mark` is the result of [`Self::mark`]
+    /// before the term's first variable was mentioned.
     pub fn primed(&mut self, term: Term, mark: usize) -> Term {
         for mention in &mut self.mentions[mark..] {
             mention.time = Time::Next;
@@ -314,8 +317,8 @@ impl<'t> Names<'t> {
 
     /// Ends the current formula, and adds it to its section unless it is invalid.
     ///
-    /// `term` is `None` if the formula could not be parsed; `range` is its text. Numbers in the
-    /// formulas' names count invalid formulas too, so that they match the file.
+    /// `term` is `None` if the formula could not be parsed; `range` is the formula's text. The
+    /// number in a formula's name counts invalid formulas, too, so that it matches the file.
     pub fn formula(&mut self, section: Section, term: Option<Term>, range: Range<usize>) {
         let count = self.counts.entry(section).or_default();
         *count += 1;
@@ -350,7 +353,8 @@ impl<'t> Names<'t> {
         }
     }
 
-    /// The term as a tree; reports one that is too deep or too large, or whose numbers overflow.
+    /// The term as a tree. If it is too deep or too large, or if its numbers overflow, reports this
+    /// and returns `None`.
     pub fn tree(&mut self, term: Term, range: &Range<usize>) -> Option<Expr> {
         let size = self.terms.size(term);
         let tree = match self.terms.tree(term) {
@@ -388,8 +392,8 @@ impl<'t> Names<'t> {
         Some(expr)
     }
 
-    /// Whether the current formula refers only to variables that its section allows; reports the
-    /// others.
+    /// Whether the current formula refers only to variables that its section allows. Reports each
+    /// other variable.
     fn is_permitted(&mut self, section: Section) -> bool {
         let mut shown: Vec<VarId> = Vec::new();
         let mut findings = Vec::new();
@@ -440,7 +444,7 @@ pub(super) fn quoted(text: &str) -> String {
     }
 }
 
-/// The text in one line, without `#` comments.
+/// The text on one line, without `#` comments.
 pub(super) fn one_line(text: &str) -> String {
     let lines = text.lines().map(|l| l.split('#').next().unwrap_or(l));
     let words: Vec<&str> = lines.flat_map(str::split_whitespace).collect();
@@ -455,7 +459,8 @@ pub(super) fn overwrite_low_bits(terms: &mut Terms, low: Term, value: Term, bits
     terms.binary(BinaryOp::Add, high, low)
 }
 
-/// Whether bit `k` of the variable's distance from its smallest value is set.
+/// The term for one bit of a variable: whether bit `k` of the variable's distance from its smallest
+/// value is set.
 pub(super) fn bit(
     names: &mut Names<'_>,
     var: VarId,

@@ -1,8 +1,8 @@
 //! Reports the answer of a file's own tool where it differs from the meaning of the format.
 //!
-//! Constructs that the tool refuses, such as a primed goal in gr1c, are noted by the reader. A note
-//! that depends on a verdict is an [`Inquiry`]: small specifications for the caller's solver, and
-//! the note that follows from the answers.
+//! Some notes do not depend on a verdict: the reader itself notes a construct that the tool
+//! refuses, such as a primed goal in gr1c. A note that depends on a verdict is an [`Inquiry`]. It
+//! holds small specifications for the caller's solver, and chooses the note from the answers.
 //!
 //! - gr1c checks whether every initial state is winning. If `SYSINIT` contradicts itself, there is
 //!   no initial state, and gr1c answers "realizable".
@@ -21,11 +21,11 @@ use linewright_core::source::Span;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Topic {
-    /// Whether the system has an initial state.
+    /// Asks whether the system has an initial state.
     System,
-    /// Whether the environment has an initial state.
+    /// Asks whether the environment has an initial state.
     Environment,
-    /// Whether the system wins from every initial state.
+    /// Asks whether the system wins from every initial state.
     EveryStart,
 }
 
@@ -35,16 +35,16 @@ pub struct Inquiry {
     topic: Topic,
     format: Format,
     span: Span,
-    /// Specifications to solve; the answers are whether each is realizable.
+    /// Specifications to solve. The answer to each is whether it is realizable.
     pub questions: Vec<Specification>,
 }
 
-/// The inquiries about a file; none if a finding says that its own tool refuses it.
+/// The inquiries about a file; none if a finding says that the file's own tool refuses it.
 pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
     let Some(specification) = &reading.specification else {
         return Vec::new();
     };
-    // The tool does not solve a file that it refuses.
+    // The file's own tool does not solve a file that it refuses.
     if reading.findings.iter().any(|f| f.code == codes::OWN_TOOL) {
         return Vec::new();
     }
@@ -83,7 +83,7 @@ pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
 }
 
 impl Inquiry {
-    /// The note about the own tool's answer, if it needs one.
+    /// The note about the answer of the file's own tool; `None` if none is needed.
     ///
     /// `realizable` is the verdict about the file, `answers` the verdicts about
     /// [`Self::questions`], in their order.
@@ -115,8 +115,8 @@ impl Inquiry {
     }
 }
 
-/// A specification that is realizable exactly if `formulas` have a common valuation: the system
-/// chooses all variables.
+/// A specification that is realizable if and only if some valuation satisfies all `formulas`. The
+/// system chooses all variables.
 fn satisfiable<'f>(
     specification: &Specification,
     formulas: impl IntoIterator<Item = &'f Formula>,

@@ -153,8 +153,8 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 found.unwrap_or_else(|| names.terms.bool(true))
             }
         };
-        // Give the value to the operator that waits for it; repeat with the operator's value while
-        // operators become complete.
+        // Pass the value to the operator that waits for it. If this completes the operator, repeat
+        // with the operator's value.
         loop {
             match waiting.pop() {
                 None => {
@@ -196,8 +196,8 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
     None
 }
 
-/// Whether a word occurs in infix notation only. Names can contain any characters, so a declared
-/// name never counts.
+/// Whether a word occurs in infix notation only. A declared name never counts, because names can
+/// contain any characters.
 fn is_infix(names: &Names<'_>, word: &str) -> bool {
     let sign = matches!(word, "->" | "<->" | "&&" | "||" | "=" | "/\\" | "\\/");
     (sign || word.starts_with('(') || word.ends_with(')')) && names.find(word).is_none()

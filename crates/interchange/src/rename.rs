@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-/// Unique names that `is_allowed` accepts, in the order of `names`.
+/// Returns a unique name that `is_allowed` accepts for each of `names`, in their order.
 ///
 /// The first occurrence of an allowed name keeps it. In other names, `_` replaces each character
 /// that is not an ASCII letter, digit or `_`. Then `prefix` and a suffix are added as needed.

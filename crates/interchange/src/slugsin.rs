@@ -43,7 +43,7 @@ const fn section(owner: Owner, part: Part, name: &'static str) -> Section {
 enum Head {
     Variables(Owner),
     Formulas(Section),
-    /// Unknown or unsupported; its lines are skipped.
+    /// An unknown or unsupported section; its lines are skipped.
     Other,
 }
 

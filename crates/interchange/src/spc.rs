@@ -31,8 +31,8 @@
 //! each transition  reached | φ            goal     reached
 //! ```
 //!
-//! As in a GR(1) game, the system also wins if the environment has no move or misses one of its
-//! goals for ever. With `<>False` these are the only ways to win.
+//! As in a GR(1) game, the system also wins if the environment has no move, or if from some step on
+//! it never reaches one of its goals again. With `<>False` these are the only ways to win.
 
 use super::infix::{self, Dialect, Infix, Token, Word};
 use super::names::{Names, Part, Section, one_line, quoted};
@@ -231,7 +231,7 @@ struct Reach {
 
 struct Reader<'n, 't> {
     names: &'n mut Names<'t>,
-    /// Initial sections so far, with the ranges of their heads.
+    /// Names of the initial sections so far, with the ranges of their heads.
     initial: Vec<(&'static str, Range<usize>)>,
     reach: Option<Reach>,
     /// Range of a system goal with `[]<>`.
@@ -288,7 +288,7 @@ impl Reader<'_, '_> {
                     codes::OWN_TOOL,
                     range.clone(),
                     "gr1c refuses a SYSINIT that names a variable of the environment; here the system chooses after it has seen that variable",
-                    "to make the file readable by both, name only variables of `SYS:`",
+                    "to make the file readable by both tools, name only variables of `SYS:`",
                 );
             }
         }
@@ -304,7 +304,7 @@ impl Reader<'_, '_> {
                 codes::OWN_TOOL,
                 place.clone(),
                 "gr1c refuses primed variables in goals; here a transition can meet a goal",
-                "to make the file readable by both, remember the transition in a variable",
+                "to make the file readable by both tools, remember the transition in a variable",
             );
         }
         self.names.formula(section, term, place);
@@ -347,7 +347,7 @@ impl Reader<'_, '_> {
                 section.name
             );
             let help = format!(
-                "formulas of a section are joined with `&`, each with its operator; {wanted} belongs in front of this one"
+                "join the formulas of a section with `&`, and begin each one with {wanted}"
             );
             self.names.syntax(head, message, help);
             return;
@@ -376,7 +376,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Whether the system has either repeated goals or a single goal that is reached once; reports
+    /// Whether the system has either repeated goals or a single goal that is reached once. Reports
     /// a goal that breaks this rule.
     fn is_one_kind(&mut self, operator: &str, place: &Range<usize>) -> bool {
         let once = operator == "<>";
@@ -435,7 +435,7 @@ fn conjuncts(body: &[Token]) -> Vec<&[Token]> {
         }
     }
     let pieces = split(body, |_| true);
-    // Report a missing operand for the whole formula.
+    // Do not split a formula with a missing operand: the error is reported for the whole formula.
     if pieces.iter().any(|p| p.is_empty()) {
         vec![body]
     } else {

@@ -77,7 +77,8 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
     infix::formula(names, &words, line, infix::Dialect::Structured)
 }
 
-/// The bit that a word in prefix notation refers to, such as `x@0.0.23` or `x@1`.
+/// The bit that a word in prefix notation refers to, such as `x@0.0.23` or `x@1`; `None` if there
+/// is no such bit.
 pub(super) fn bit_of(
     names: &mut Names<'_>,
     word: &str,

@@ -1,7 +1,7 @@
 //! Formulas under construction, as shared nodes that store the size and depth of their tree.
 //!
-//! A file can recall a memory cell a thousand times in one line, or join ten thousand operands
-//! with `&`. An [`Expr`] is a tree that later stages traverse recursively. Therefore operands are
+//! A file can recall a memory cell a thousand times in one line, or join ten thousand operands with
+//! `&`, but later stages traverse the tree of an [`Expr`] recursively. Therefore operands are
 //! shared nodes, the size of the tree is known before it is built, and a chain of one associative
 //! operator becomes a balanced tree of logarithmic depth.
 
@@ -38,10 +38,11 @@ struct Node {
     kind: Kind,
     /// Number of nodes of the expanded tree.
     size: u64,
-    /// Number of operands of the chain of this node's operator, and the depth of the deepest one.
+    /// The number of operands in the chain of operators that ends at this node (`links`), and the
+    /// depth of the deepest operand (`below`).
     links: u64,
     below: u32,
-    /// Whether current and next values occur.
+    /// Whether a current value occurs in the tree (`now`), and whether a next value does (`next`).
     now: bool,
     next: bool,
 }
@@ -183,7 +184,8 @@ impl Terms {
         };
         let (x, y) = (*self.node(a), *self.node(b));
         let shape = Shape::Binary(op, a, b);
-        // A node that continues its operand's chain counts that chain's operands as its own.
+        // If an operand continues the chain of this node, its operands count as operands of this
+        // node.
         let part = |node: &Node| match node.shape {
             Shape::Binary(inner, p, _) if chains(op, self.kind(a), inner, self.kind(p)) => {
                 (node.links, node.below)

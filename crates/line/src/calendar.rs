@@ -1,15 +1,15 @@
 //! Event calendar: future events in time order.
 //!
 //! A binary heap with one 128-bit key: time, then priority, then a sequence number. Simulated
-//! seconds are never negative and never NaN, and the bit patterns of such numbers sort as the
-//! numbers do, so that the whole comparison is one of integers. The sequence number makes the order
-//! total: two events of one instant and priority happen in the order in which they were scheduled,
-//! on every platform.
+//! seconds are never negative and never NaN, and the bit patterns of such numbers have the same
+//! order as the numbers. Keys are therefore compared as integers. The sequence number makes the
+//! order total: two events with the same time and priority happen in the order in which they were
+//! scheduled, on every platform.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Events by time; see the module.
+/// Future events, sorted by time; see the module documentation.
 #[derive(Debug, Clone)]
 pub struct Calendar<E> {
     heap: BinaryHeap<Entry<E>>,
@@ -35,7 +35,7 @@ impl<E> Calendar<E> {
     }
 
     /// Adds an event. Events at the same time are ordered by priority, smallest first, then by
-    /// insertion. A negative time counts as 0, and one that is not finite as the latest time.
+    /// insertion. A negative time counts as 0, and a time that is not finite as `f64::MAX`.
     pub fn schedule(&mut self, time: f64, priority: u8, event: E) {
         let time = if time.is_finite() {
             time.max(0.0) + 0.0
@@ -50,14 +50,14 @@ impl<E> Calendar<E> {
         });
     }
 
-    /// Removes the next event and returns it with its time.
+    /// Removes the next event and returns it with its time; `None` if there are no events.
     pub fn take(&mut self) -> Option<(f64, E)> {
         self.heap
             .pop()
             .map(|entry| (time_of(entry.key), entry.event))
     }
 
-    /// Time of the next event.
+    /// Time of the next event; `None` if there are no events.
     pub fn next_time(&self) -> Option<f64> {
         self.heap.peek().map(|entry| time_of(entry.key))
     }

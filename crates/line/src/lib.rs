@@ -1,45 +1,47 @@
-//! The bundled discrete-event runner: a resolved
-//! [`Line`](linewright_language::contract::line::Line) and its controllers in, a [`Trace`] out.
+//! The bundled discrete-event runner: it takes a resolved
+//! [`Line`](linewright_language::contract::line::Line) with its controllers, and returns a
+//! [`Trace`].
 //!
 //! # What a run means
 //!
-//! **Ways.** When a part is done at a node, it takes the first of its type's routes from there (in
-//! source order) whose condition holds for its properties at that moment; at a station this is the
-//! end of service, after new properties and defects are applied. It keeps to that choice and waits
-//! there until the next node has room, and everything behind it waits too. Moving takes no time. If
-//! several parts wait for one node, the one that has waited longest goes first (`plant/flow.rs` has
-//! the rule, and what it means for contracted belts, which hand over only when they are stepped).
-//! Parts that began to wait at the same instant go in calendar order, which is the same in every
-//! run.
+//! **Ways.** When a part is done at a node, it chooses its way: the first route of its type from
+//! there (in source order) whose condition holds for the part's properties at that moment. At a
+//! station, this is the end of service, after new properties and defects have been applied. The
+//! choice is final: the part waits at the node until the next node has room, and everything behind
+//! it waits, too. Moving takes no time. If several parts wait for one node, the one that has waited
+//! longest goes first. (`plant/flow.rs` states the rule, and what it means for contracted belts,
+//! which hand over parts only when they are stepped.) Parts that began to wait at the same instant
+//! go in calendar order, which is the same in every run.
 //!
-//! **Entering.** A part enters the line when it leaves its source, or a store's stock, and a joined
-//! part when the joining begins; its components are consumed at that moment. Parts that a store
-//! takes in are finished, unless a route of their type leaves the store again. A part that is
-//! rejected by a sink or because of a violation leaves the line at once.
+//! **Entering.** A part enters the line when it leaves its source or a store's stock. A joined part
+//! enters when the joining begins; its components are consumed at that moment. A part that a store
+//! receives is finished, unless a route of its type leaves the store again. A part that is
+//! rejected, by a sink or because of a violation, leaves the line at once.
 //!
-//! **Sources** keep the part they made until there is room for it. The next part is due the
-//! declared time after that one was made, and is made then, or as soon as the previous one has
-//! left. A source on order has one order for each wanted product (times the number of its parts in
-//! a product), plus one for each part that is rejected and sent back; orders to a timed source
-//! raise its limit. A source with a limit of work in process makes no part while the limit is
-//! reached by parts of its type in the line, including the one it keeps and those joined to others
-//! (CONWIP; Spearman, Woodruff and Hopp, 1990).
+//! **Sources** hold the part that they made until there is room for it. The next part is due once
+//! the declared time has passed since that part was made. It is made when it is due, but not before
+//! the previous part has left. A source on order gets one order for each part of its type that the
+//! requested products need, plus the replacements for rejected parts; orders to a timed source
+//! raise its limit. A source with a limit of work in process makes no part while the number of
+//! parts of its type in the line equals the limit. The part that the source holds, and parts joined
+//! to others, count, too (CONWIP; Spearman, Woodruff and Hopp, 1990).
 //!
 //! **Stations** work on one part at a time and block after service. A task that joins has a place
-//! for each component of its bill; these fill ahead while the station works, and the task is ready
-//! when all are there. Any other task takes a part of its type when the station is free.
-//! [`Task::part`](linewright_language::contract::line::Task::part) defines which task does which: a
-//! camera that checks a joined product does not join it again. Where a component has several
-//! places, the first task's fills first. A free station begins with whatever has waited longest.
-//! The setup time passes when the type that leaves differs from the previous one. The controller is
-//! called when service begins; the station is then busy for the duration it returned. The time to
-//! the next breakdown runs only while the station is busy; repairs go on off shift. Off shift,
-//! setup and service stand still and no new part is taken; conveyors, sources and stores go on.
+//! for each component of its bill. These places fill while the station works, and the task is ready
+//! when all components are there. Any other task takes a part of its type when the station is free.
+//! [`Task::part`](linewright_language::contract::line::Task::part) defines whether a task joins: a
+//! camera that checks a joined product does not join it again. If several tasks need a component of
+//! the same type, the places of the first such task fill first. A free station begins with whatever
+//! has waited longest. The setup time passes if the type that leaves differs from that of the
+//! previous part. The controller is called when service begins; the station is then busy for the
+//! duration that the controller returned. The time to the next breakdown runs only while the
+//! station is busy; repairs continue off shift. Off shift, setup and service are suspended and no
+//! new part is taken; conveyors, sources and stores continue.
 //!
-//! **Conveyors** without a contract accumulate: a part travels `places * pitch / speed` seconds,
-//! comes off no sooner than `pitch / speed` after the one before it, and comes on when the one
-//! before it has moved up by one pitch and fewer than `places` parts are there. For conveyors with
-//! a contract, see `plant/belt.rs`.
+//! **Conveyors** without a contract accumulate. A part travels for `places * pitch / speed` seconds
+//! and comes off at least `pitch / speed` seconds after the part ahead of it. It comes on once the
+//! part ahead of it has moved up by one pitch and fewer than `places` parts are on the conveyor.
+//! For conveyors with a contract, see `plant/belt.rs`.
 
 pub mod abstraction;
 pub mod calendar;
@@ -65,13 +67,13 @@ pub use undecided::UndecidedReason;
 pub struct Options {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Number of end products after which the run ends.
+    /// Number of end products after which the run ends; `None` if they do not end it.
     pub parts: Option<u64>,
-    /// Simulated seconds after which the run ends.
+    /// Simulated seconds after which the run ends; `None` if time does not end it.
     pub until: Option<f64>,
     /// Wall-clock deadline.
     pub deadline: Deadline,
-    /// Whether to keep every movement in [`Trace::log`]; memory then grows with the run.
+    /// Whether to record every movement in [`Trace::log`]; memory then grows with the run.
     pub log: bool,
 }
 

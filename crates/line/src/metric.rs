@@ -7,8 +7,8 @@ use linewright_language::contract::line::{Comparison, Line, Metric};
 
 const JOULES_PER_KWH: f64 = 3.6e6;
 
-/// Value of a metric in a run, in its unit; `None` if there was nothing to measure: without a
-/// product there is no lead time.
+/// Value of a metric in a run, in its unit; `None` if there was nothing to measure, such as the
+/// lead time in a run without products.
 pub fn measure(metric: &Metric, trace: &Trace) -> Option<f64> {
     let of_products = matches!(
         metric,
@@ -63,8 +63,8 @@ fn is(value: Option<f64>) -> String {
     }
 }
 
-/// Checks all requirements of a line in one run; each that does not hold becomes a finding. A run
-/// that was cut off is not judged.
+/// Checks all requirements of a line in one run. Each requirement that does not hold becomes a
+/// finding. A run that was cut off is not checked.
 pub(super) fn check(line: &Line, trace: &mut Trace) {
     if trace.end == End::GaveUp {
         return;
@@ -106,10 +106,10 @@ pub struct ReplicatedRequirement {
     /// Measured value in the metric's unit, over the runs in which it could be measured; `None` if
     /// there is no such run.
     pub value: Option<Estimate>,
-    /// Index of the first run in which it could not be measured, or else of the run that violates
-    /// the bound most, or comes closest to it.
+    /// Index of the first run in which the value could not be measured. If there is none: index of
+    /// the run that violates the bound most or, if no run violates it, comes closest to doing so.
     pub worst: usize,
-    /// Measured value in that run.
+    /// Measured value in the run `worst`; `None` if it could not be measured.
     pub worst_value: Option<f64>,
 }
 
@@ -153,7 +153,7 @@ pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> 
                 value: Estimate::of(&measured),
             }
         })
-        // Runs that were cut off are not counted.
+        // Runs that were cut off have no results; without any results, there is nothing to report.
         .filter(|result| result.runs > 0)
         .collect()
 }
@@ -169,7 +169,7 @@ pub(super) fn unmet(
         let Some(worst) = traces.get(result.worst).filter(|_| !result.holds()) else {
             continue;
         };
-        // If a reason follows, the seed comes first.
+        // Without a value, the sentence ends with the reason, so the seed comes first.
         let with_seed = match result.worst_value {
             Some(_) => format!("{} with seed {}", is(result.worst_value), worst.seed),
             None => format!("with seed {} it {}", worst.seed, is(None)),

@@ -1,12 +1,12 @@
 //! Seeded random numbers, the same on every platform and in every version.
 //!
 //! The generator is xoshiro256++ by Blackman and Vigna ("Scrambled linear pseudorandom number
-//! generators", 2021), seeded through their `SplitMix64`, as they recommend. It takes forty lines
-//! and is not taken from a crate, because a run must not change when a crate does.
+//! generators", 2021), seeded through their `SplitMix64`, as they recommend. It is implemented
+//! here, in forty lines, because a run must not change when a crate does.
 //!
 //! Every random quantity in a line has its own [`Stream`], identified by the run's seed, the
-//! purpose and the name of the node. Adding a node, or one more draw at one of them, leaves all
-//! other streams unchanged (common random numbers), so that variants of a line can be compared
+//! purpose and the name of the node. Adding a node, or drawing once more at a node, leaves all
+//! other streams unchanged (common random numbers). Variants of a line can therefore be compared
 //! under one seed.
 
 /// Purpose of a stream.
@@ -88,7 +88,7 @@ impl Stream {
 
     /// A uniform number in `0..count`; 0 if `count` is 0.
     pub fn below(&mut self, count: u64) -> u64 {
-        // The upper half of a product with 64 random bits: its bias is below count / 2^64.
+        // The upper half of `count` times 64 random bits; the bias is below count / 2^64.
         ((u128::from(self.bits()) * u128::from(count)) >> 64) as u64
     }
 }

@@ -8,21 +8,21 @@ use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Metric};
 
-/// Figures over several runs.
+/// Statistics over several runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replications {
     /// Seeds, one per run.
     pub seeds: Vec<u64>,
     /// Products per hour.
     pub throughput_per_hour: Option<Estimate>,
-    /// Seconds to the last product, over the runs that made one.
+    /// Seconds to the last product, over the runs that made a product; `None` if no run made one.
     pub makespan: Option<Estimate>,
-    /// Total energy.
+    /// Total energy in kWh.
     pub energy_kwh: Option<Estimate>,
     /// The line's requirements over all runs, in line order.
     pub requirements: Vec<ReplicatedRequirement>,
-    /// Problems in any of the runs, each finding once, plus one for each requirement that some run
-    /// violates.
+    /// Problems in any of the runs, without duplicates. Each requirement that some run violates
+    /// adds one finding.
     pub findings: Vec<Diagnostic>,
 }
 
@@ -37,7 +37,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Estimates from independent values; `None` without values.
+    /// Estimates the mean of independent values; `None` if there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         if values.is_empty() {
             return None;
@@ -54,10 +54,11 @@ impl Estimate {
 }
 
 impl Plant {
-    /// Runs the line `count` times (at least once) with consecutive seeds, starting with that of
-    /// the options. Returns the traces in that order; seeds are mixed, so consecutive ones are as
-    /// independent as any others. Once the deadline is past, no further run begins, and a finding
-    /// says so; a run that it cut off is not counted, unless it is the first.
+    /// Runs the line `count` times (at least once) with consecutive seeds, starting with the seed
+    /// of the options. Consecutive seeds are as independent as any others, because the generator
+    /// mixes them. Returns the traces in the order of the runs. Once the deadline has passed, no
+    /// further run begins, and a finding reports this. A run that the deadline cut off is omitted,
+    /// unless it is the first.
     pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
         let first = self.seed();
         let count = count.max(1);
@@ -79,7 +80,7 @@ impl Plant {
             let message = format!("{late}: {done} of {count} runs were complete");
             replications.findings.push(
                 Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(format!(
-                    "{}, or ask for fewer runs with --replications",
+                    "{}, or request fewer runs with --replications",
                     late.remedy()
                 )),
             );
@@ -89,7 +90,7 @@ impl Plant {
 }
 
 impl Replications {
-    /// Figures of these runs of a line.
+    /// Evaluates these runs of a line.
     pub fn of(line: &Line, traces: &[Trace]) -> Self {
         let estimate = |metric: &Metric| {
             let measured = traces

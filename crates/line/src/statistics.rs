@@ -3,7 +3,7 @@
 use super::random::{Purpose, Stream};
 use super::trace::{LeadTime, Shares};
 
-/// Activity of a station, as its time is booked.
+/// Activity of a station, under which its time is booked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Activity {
     Busy,
@@ -43,8 +43,8 @@ impl Clock {
         self.seconds[activity as usize]
     }
 
-    /// Shares of the total booked time; `visited` says whether any part ever came. If no time was
-    /// booked, all of it is idle.
+    /// Shares of the total booked time. `visited` states whether any part ever reached the station.
+    /// If no time was booked, the idle share is 1.
     pub(super) fn shares(&self, visited: bool) -> Shares {
         let total: f64 = self.seconds.iter().sum();
         if total <= 0.0 {
@@ -70,8 +70,8 @@ impl Clock {
     }
 }
 
-/// Maximum number of lead times kept for the percentiles; beyond it, all are equally likely to be
-/// kept.
+/// Maximum number of lead times stored for the percentiles. If there are more, each is equally
+/// likely to be stored.
 const SAMPLE: usize = 1 << 17;
 
 /// Lead times: mean and maximum of all, percentiles of a bounded sample (Vitter's reservoir,
@@ -130,7 +130,8 @@ fn nearest_rank(sorted: &[f64], share: f64) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// The 97.5 % quantile of Student's t distribution: half of a 95 % interval in standard errors.
+/// The 97.5 % quantile of Student's t distribution: half the width of a 95 % confidence interval,
+/// in standard errors.
 pub(super) fn student_t(degrees: u64) -> f64 {
     const TABLE: [f64; 30] = [
         12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582, 2.446_912, 2.364_624, 2.306_004,

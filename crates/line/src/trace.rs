@@ -17,7 +17,7 @@ pub struct Trace {
     pub events: u64,
     /// Number of end products in a sink that does not reject, or in a store.
     pub products: u64,
-    /// Number of those that are in a store.
+    /// Number of `products` that are in a store.
     pub stored: u64,
     /// Time of the last end product in seconds; 0 if there is none.
     pub makespan: f64,
@@ -25,7 +25,7 @@ pub struct Trace {
     pub throughput_per_hour: f64,
     /// Counts of mobile units of all types.
     pub parts: PartCounts,
-    /// Time from entry of a product's first part to its completion.
+    /// Time from the entry of a product's first part to the completion of the product.
     pub lead_time: LeadTime,
     /// Energy of all stations and conveyors in joules.
     pub joules: f64,
@@ -33,10 +33,10 @@ pub struct Trace {
     pub stations: Vec<StationStatistics>,
     /// One entry per conveyor, in line order.
     pub conveyors: Vec<ConveyorStatistics>,
-    /// One entry per machine, in the order of its first instance.
+    /// One entry per machine, in the order of their first instances.
     pub machines: Vec<MachineStatistics>,
     /// The station (an index into `stations`) with the greatest share of busy, setup and failed
-    /// time.
+    /// time; `None` if all these shares are 0.
     pub bottleneck: Option<usize>,
     /// Rejected parts by type, in line order; types without any are omitted.
     pub rejects: Vec<Reject>,
@@ -58,9 +58,9 @@ pub const MAX_VIOLATIONS: usize = 1000;
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum End {
-    /// The wanted products are made.
+    /// The requested number of products was made.
     Products,
-    /// The simulated time has passed.
+    /// The end of the simulated time was reached.
     Time,
     /// The line can no longer advance, or makes no progress.
     Blocked,
@@ -73,43 +73,45 @@ pub enum End {
 /// Counts of mobile units of all types: `entered = finished + rejected + consumed + in_progress`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PartCounts {
-    /// Left a source or a store's stock, or were made by joining.
+    /// Parts that left a source or a store's stock, or were made by joining.
     pub entered: u64,
-    /// Came into a sink that does not reject, or into a store that nothing of their type leaves.
+    /// Parts that came into a sink that does not reject, or into a store that no part of their type
+    /// leaves.
     pub finished: u64,
-    /// Came into a rejecting sink, or were taken out because of a violation.
+    /// Parts that came into a rejecting sink, or were taken out because of a violation.
     pub rejected: u64,
-    /// Were joined into another part.
+    /// Parts that were joined into another part.
     pub consumed: u64,
-    /// Were in the line at the end.
+    /// Parts that were in the line at the end.
     pub in_progress: u64,
 }
 
-/// Seconds from the entry of a product's first part to its completion. All 0 without products.
+/// Seconds from the entry of a product's first part to the completion of the product. All 0 without
+/// products.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LeadTime {
     /// Mean over all products.
     pub mean: f64,
     /// Median (nearest rank; from a sample if there are very many).
     pub p50: f64,
-    /// 95th percentile, likewise.
+    /// 95th percentile, computed in the same way.
     pub p95: f64,
     /// Maximum.
     pub max: f64,
 }
 
-/// Shares of a station's time: from 0 to 1, sum 1.
+/// Shares of a station's time, each from 0 to 1; their sum is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shares {
     /// In work on a part.
     pub busy: f64,
     /// Free, but no part to work on has come.
     pub starved: f64,
-    /// Finished with a part that finds no room.
+    /// Done with a part, for which the next place has no room.
     pub blocked: f64,
-    /// Broken down or under repair, including off shift.
+    /// Broken down or under repair, on shift or off shift.
     pub failed: f64,
-    /// Off shift; also all the waiting of a station that no part ever reached.
+    /// Off shift. At a station that no part ever reached, waiting counts as idle, too.
     pub idle: f64,
     /// In setup for another part type.
     pub setup: f64,
@@ -122,7 +124,7 @@ impl Shares {
     }
 }
 
-/// Figures of a station.
+/// Statistics of a station.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StationStatistics {
     /// Index of the node.
@@ -133,7 +135,7 @@ pub struct StationStatistics {
     pub machine: String,
     /// Number of parts whose service ended.
     pub processed: u64,
-    /// Shares of its time.
+    /// Shares of the station's time.
     pub shares: Shares,
     /// Seconds in work.
     pub busy_seconds: f64,
@@ -141,31 +143,31 @@ pub struct StationStatistics {
     pub joules: f64,
 }
 
-/// Figures of a conveyor.
+/// Statistics of a conveyor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConveyorStatistics {
     /// Index of the node.
     pub node: usize,
     /// Name of the node.
     pub name: String,
-    /// Name of its machine, if a contract moves it.
+    /// Name of the machine whose contract controls it; `None` for a conveyor without a contract.
     pub machine: Option<String>,
-    /// Number of parts that left it at its end.
+    /// Number of parts that left the conveyor at its end.
     pub carried: u64,
-    /// Seconds in which something moved on it.
+    /// Seconds in which at least one part moved on the conveyor.
     pub moving_seconds: f64,
     /// Energy in joules.
     pub joules: f64,
 }
 
-/// Figures of all instances of a machine.
+/// Statistics of a machine, over all its instances.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineStatistics {
     /// Name of the machine.
     pub name: String,
-    /// Seconds in work, summed over its instances.
+    /// Seconds in work, summed over the instances of the machine.
     pub busy_seconds: f64,
-    /// Energy of its instances in joules.
+    /// Energy of the instances in joules.
     pub joules: f64,
 }
 
@@ -176,7 +178,7 @@ pub struct Reject {
     pub part: usize,
     /// Number of rejected parts.
     pub count: u64,
-    /// Number of new parts ordered for them.
+    /// Number of new parts ordered as replacements.
     pub reordered: u64,
 }
 
@@ -191,7 +193,7 @@ pub struct Violation {
     pub part: Option<(u64, usize)>,
     /// Error code of the library.
     pub code: ErrorCode,
-    /// The violated rule, component first: `turn: gripped`.
+    /// The violated rule, prefixed with its component: `turn: gripped`.
     pub rule: Option<String>,
     /// Complete message of the library.
     pub message: String,
@@ -202,7 +204,7 @@ pub struct Violation {
 pub struct RequirementResult {
     /// Name of the requirement.
     pub name: String,
-    /// Whether it holds.
+    /// Whether the requirement holds in the run.
     pub holds: bool,
     /// Measured value in the metric's unit; `None` if there was nothing to measure.
     pub value: Option<f64>,
@@ -250,7 +252,7 @@ pub enum EventKind {
     Repaired,
 }
 
-/// A time as hours, minutes and seconds: `1:05:09`.
+/// Formats a time in seconds as hours, minutes and seconds: `1:05:09`.
 pub fn clock(seconds: f64) -> String {
     let whole = seconds.max(0.0).round() as u64;
     format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)

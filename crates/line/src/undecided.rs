@@ -13,7 +13,7 @@ pub struct UndecidedReason {
 }
 
 impl UndecidedReason {
-    /// Creates a reason that lies in the line itself.
+    /// Creates a reason that lies in the line itself, not in a limit.
     pub fn because(why: impl Into<String>) -> Self {
         Self {
             why: why.into(),
@@ -21,7 +21,8 @@ impl UndecidedReason {
         }
     }
 
-    /// Whether a limit of the command was reached; otherwise the answer never changes.
+    /// Whether the reason is a limit from `--timeout`, `--memory` or Ctrl-C. If it is not, a
+    /// repetition gives the same answer.
     pub fn is_external(&self) -> bool {
         self.limit.is_some_and(Limit::is_external)
     }

@@ -1,5 +1,5 @@
-//! Checks what must hold of a line before it runs, so that no index in the runner can be out of
-//! range.
+//! Checks the conditions that a line must satisfy before it runs, so that no index in the runner
+//! can be out of range.
 //!
 //! The resolver reports most of this earlier and with better messages; a line that it accepts gets
 //! no findings here.
@@ -10,7 +10,7 @@ use linewright_language::contract::is_duration;
 use linewright_language::contract::line::{Belt, InitialValue, Line, Node, NodeKind, Supply, Task};
 use linewright_language::contract::machine::{Machine, RealExpr};
 
-/// Returns everything that prevents the runner from running this line. `has_controller` says
+/// Returns everything that prevents the runner from running this line. `has_controller` states
 /// whether a node has a controller.
 pub(super) fn validate(line: &Line, has_controller: impl Fn(usize) -> bool) -> Vec<Diagnostic> {
     let mut check = Check {
@@ -68,7 +68,7 @@ impl Check<'_> {
                 .all(|&(component, count)| self.is_part(component) && count > 0);
             self.require(bill, part.span, || {
                 format!(
-                    "the bill of {} names an unknown part type, or none of one",
+                    "the bill of {} names an unknown part type, or a count of 0",
                     part.name
                 )
             });
@@ -236,12 +236,12 @@ impl Check<'_> {
             self.require(
                 !matches!(from.kind, NodeKind::Sink { .. }),
                 route.span,
-                || format!("no route may start at the sink {}", from.name),
+                || format!("a route starts at the sink {}", from.name),
             );
             self.require(
                 !matches!(to.kind, NodeKind::Source { .. }),
                 route.span,
-                || format!("no route may lead to the source {}", to.name),
+                || format!("a route leads to the source {}", to.name),
             );
             if let NodeKind::Station { tasks, .. } = &to.kind {
                 let taken = tasks.iter().any(|task| {

@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 /// JSON Schema of the document.
 pub const RUN_SCHEMA: &str = include_str!("run.schema.json");
 
-/// Returns the document of a run. Without `wall_seconds` (`--no-timing`), the document has no such
-/// field. With `replications` (several random seeds), the document also has the figures of all
-/// replications and judges the requirements over all of them; everything else shows `trace`, the
-/// run with the first seed.
+/// Returns the JSON document of a run. If `wall_seconds` is `None` (`--no-timing`), the document
+/// has no field of this name. If there are `replications` (runs with several random seeds), the
+/// document also contains estimates over all replications, and judges the requirements over all of
+/// them. Everything else describes `trace`, the run with the first seed.
 pub fn json(
     line: &Line,
     trace: &Trace,

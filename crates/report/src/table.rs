@@ -7,8 +7,8 @@ use linewright_line::{Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-/// Returns the text of a run, ending with a line break. With `replications`, requirements are
-/// judged over all of them and their figures are added; everything else shows `trace`.
+/// Returns a run as text that ends with a line break. If there are `replications`, the requirements
+/// are judged over all of them, and a table of estimates is added. All other tables show `trace`.
 pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) -> String {
     let mut out = String::new();
     summary(&mut out, line, trace);
@@ -331,7 +331,7 @@ const TERMINAL: usize = 100;
 const TEXT_COLUMNS: [&str; 3] = ["machine", "verdict", "required"];
 
 /// Writes a blank line and a table; nothing if there are no rows. Long texts are cut only if the
-/// rows would not fit into the terminal otherwise.
+/// rows would otherwise be wider than the terminal.
 fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     if rows.is_empty() {
         return;
@@ -376,7 +376,8 @@ fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     }
 }
 
-/// Cuts a text to at most `widest` characters, of which the last is an ellipsis.
+/// Cuts a text that is longer than `widest` characters to that length, including an ellipsis at the
+/// end.
 fn cut(text: &str, widest: usize) -> Cow<'_, str> {
     if text.chars().count() <= widest {
         return text.into();

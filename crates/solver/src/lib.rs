@@ -4,7 +4,7 @@
 //! gr1::Specification ─encode→ symbolic ─solve→ game::Outcome ─extract→ mealy::Machine (verified)
 //! ```
 
-// Integration tests, whose files the unit tests share, call the whole library `linewright`.
+// Unit tests share files with the integration tests, in which the library is named `linewright`.
 #[cfg(test)]
 extern crate self as linewright;
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! clarity.
 //!
 //! The emitted C does the same with tables (`ffi/step.c`) and is tested against this interpreter.
-//! Both check in the same order, so that they return the same error if several apply:
+//! Both check in the same order, so that they return the same error if several errors apply:
 //!
 //! 1. the domains of the plant's wires, in order;
 //! 2. Moore components write their outputs to their wires;
@@ -47,7 +47,7 @@ pub struct State {
     wires: Vec<i64>,
 }
 
-/// Value of an expression without next values.
+/// Evaluates an expression that reads no next values.
 fn now(expr: &linewright_core::gr1::Expr, values: &[i64]) -> i64 {
     eval::eval(expr, values, &[])
 }
@@ -114,7 +114,8 @@ impl Interpreter {
         Ok(after)
     }
 
-    /// Steps one component: its inputs, assumptions, answer and guarantees.
+    /// Performs the step of one component: computes its inputs, checks its assumptions, computes
+    /// its answer, and checks its guarantees.
     fn answer(&self, c: usize, before: &State, after: &mut State) -> Result<(), CallError> {
         let component = &self.machine.components[c];
         let specification = &*component.specification;
@@ -204,8 +205,8 @@ impl Interpreter {
         }
     }
 
-    /// Computes the plant's wires for the first step of an operation. In later steps only those of
-    /// scripted signals change.
+    /// Computes the plant's wires for the first step of an operation. In later steps, only the
+    /// wires of scripted signals change.
     fn abstract_properties(
         &self,
         from: &State,
@@ -243,8 +244,8 @@ impl Interpreter {
         &self.machine
     }
 
-    /// Returns an interpreter for a machine that differs from this one only in its limits, with the
-    /// same controllers.
+    /// Returns an interpreter with the same controllers for `machine`, which must differ from this
+    /// interpreter's machine only in its limits.
     #[must_use]
     pub fn with_machine(&self, machine: Machine) -> Self {
         Self::new(Arc::new(machine), Arc::clone(&self.controllers))
@@ -303,7 +304,7 @@ impl Interpreter {
         ))
     }
 
-    /// The properties after an operation.
+    /// Computes the values of the properties after an operation.
     fn write(&self, values: &[f64], wires: &[i64]) -> Result<Vec<f64>, CallError> {
         let mut after = values.to_vec();
         for (property, expr) in &self.machine.writes {
@@ -380,7 +381,7 @@ impl State {
 pub struct Relevance {
     /// By component, whether a later step reads the last value of each variable.
     values: Vec<Vec<bool>>,
-    /// By wire, whether a later operation reads its last value.
+    /// By wire, whether a later operation reads the wire's last value.
     wires: Vec<bool>,
 }
 
@@ -559,8 +560,9 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// The justice assumption that has not held for the longest time, and the number of steps. Of
-    /// several, the last one: an action comes after the coordinator that waits for it.
+    /// Returns the justice assumption that has not held for the longest time, with its component
+    /// and the number of steps. Of several such assumptions, it returns the last, because actions
+    /// come after the coordinator that waits for them.
     fn longest_silence(&self) -> Option<(&'a Component, &'a Formula, u64)> {
         let (c, formula, held) = self.justice.iter().rev().min_by_key(|(_, _, held)| *held)?;
         let component = &self.machine.components[*c];

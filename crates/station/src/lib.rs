@@ -1,8 +1,8 @@
 //! Station libraries: the emitted C, the toolchain that compiles it, and the loader that calls it.
 //!
-//! [`Controller`] has two implementations: `load::Instance`, a compiled library called through its
-//! exports, and `interpret::Interpreter`, the same machine in this process, against which the
-//! library is tested.
+//! [`Controller`] has two implementations: `load::Instance` calls a compiled library through its
+//! exports; `interpret::Interpreter` runs the same machine in this process. The library is tested
+//! against the interpreter.
 //!
 //! ```text
 //! contract::machine::Machine, mealy::Controller... ─Package::emit→ Package ─Toolchain::build→ Built ─Library::open→ Library
@@ -236,7 +236,7 @@ impl Error {
 /// Checks that each controller fits the contract of its component, and that their counts agree.
 ///
 /// # Panics
-/// Panics if one does not fit: an internal error.
+/// Panics if a controller does not fit, which is an internal error.
 fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     let fit = |c: &linewright_language::contract::machine::Component, k: &mealy::Controller| {
         let specification = &c.specification;
@@ -262,8 +262,8 @@ fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     }
 }
 
-/// Whether all inputs, outputs and states that a Mealy machine's transitions refer to exist. For
-/// functions, the check of their certificate covers this.
+/// Whether all inputs, outputs and states that a Mealy machine's transitions refer to exist. For a
+/// controller as functions, the check of its certificate covers this.
 fn is_closed(m: &mealy::Machine) -> bool {
     let mut transitions = m.initial.iter().chain(m.states.iter().flatten());
     transitions.all(|t| {

@@ -104,7 +104,7 @@ pub struct Library {
     step: StepExport,
     last_error: TextExport,
     last_rule: TextExport,
-    // Keeps the functions above valid.
+    // Keeps the library loaded, so that the functions above stay valid.
     _keep: libloading::Library,
 }
 
@@ -125,7 +125,8 @@ impl Library {
             path: path.to_owned(),
             reason,
         };
-        // The system would search its library folders for a path without a folder.
+        // The path must contain a folder, because the system would otherwise search its own library
+        // folders.
         let absolute = std::path::absolute(path).map_err(|e| damaged(e.to_string()))?;
         #[expect(unsafe_code, reason = "the loader of station libraries")]
         // SAFETY: the file is byte for byte the output of our compiler run on our own C source,
@@ -313,7 +314,7 @@ impl Instance {
         let Ok(index) = i32::try_from(operation) else {
             return Err(CallError::operation(operation));
         };
-        // The export does not receive the number of values.
+        // The export does not receive the number of values, so the number is checked here.
         if values.len() + 2 != self.library.results.len() {
             return Err(CallError::value_count());
         }

@@ -1,7 +1,7 @@
 //! Messages of a controller: one wording for the emitted C and for the interpreter.
 //!
-//! Texts about formulas are fixed when the machine is emitted; those with a value are assembled by
-//! `ffi/step.c` from the same pieces.
+//! Texts about formulas are fixed when the machine is emitted. Texts that contain a value are
+//! assembled by `ffi/step.c` from the same pieces.
 
 use super::{CallError, ErrorCode};
 use linewright_core::gr1::Formula;
@@ -17,11 +17,11 @@ const MAX_FORMULA_CHARS: usize = 200;
 /// The party that has to keep a formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Party {
-    /// The plant: an assumption.
+    /// The plant, which has to keep assumptions.
     Plant,
-    /// The machine: a guarantee.
+    /// The machine, which has to keep guarantees.
     Machine,
-    /// The caller of skills, within the machine or outside: an order.
+    /// The caller of skills, within or outside the machine, which has to keep orders.
     Caller,
 }
 
@@ -89,7 +89,8 @@ pub fn describe_assumption(component: &Component, formula: &Formula) -> String {
     }
 }
 
-/// ``the order `trays` (R-7)``. A rule that belongs to no declared order is cited by its own name.
+/// Cites the order that a formula belongs to: ``the order `trays` (R-7)``. A rule that belongs to
+/// no declared order is cited by its own name.
 fn order(formula: &Formula) -> String {
     let requirement = formula.requirement.as_deref();
     match order_rule(&formula.name) {
@@ -102,7 +103,7 @@ fn cite(formula: &Formula) -> String {
     format!("{}: {}", name(formula), cut(&formula.text))
 }
 
-/// `` `gripped` (R-12)``
+/// Cites a formula by its name and requirement: `` `gripped` (R-12)``.
 fn name(formula: &Formula) -> String {
     named(&formula.name, formula.requirement.as_deref())
 }
@@ -249,8 +250,8 @@ impl CallError {
         )
     }
 
-    /// Error of a Moore component without outputs in its current state. A verified table has a row
-    /// for every input that keeps the assumptions, so no input keeps them.
+    /// Error for a Moore component that has no outputs in its current state. A verified table has a
+    /// row for every input that keeps the assumptions, so no input keeps them in this state.
     pub(super) fn no_legal_inputs(component: &str) -> Self {
         Self::plain(
             ErrorCode::Assumption,
@@ -317,7 +318,8 @@ impl CallError {
         )
     }
 
-    /// `longest` is the justice assumption that has not held for longest, and the number of steps.
+    /// `longest` is the justice assumption that has not held for the longest time, with its
+    /// component and the number of steps.
     pub(super) fn limit(
         operation: &str,
         steps: u64,

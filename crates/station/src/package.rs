@@ -27,7 +27,7 @@ pub struct Package {
     pub name: String,
     /// Name of the machine in file names: `AssemblyCell` is `assembly_cell`.
     pub stem: String,
-    /// The C file to compile; it includes the others.
+    /// The C file to compile; it includes the other files.
     pub c_source: String,
     support: Vec<(&'static str, String)>,
     /// JSON text that the library's `lw_describe` returns.
@@ -79,7 +79,8 @@ impl Package {
         let mut hash = Sha256::new();
         let files = support.iter().map(|(name, text)| (*name, text.as_str()));
         for (name, text) in std::iter::once(("", c_source.as_str())).chain(files) {
-            // Lengths distinguish two lists of files with the same joined text.
+            // The lengths are hashed, too, because two lists of files can have the same joined
+            // text.
             hash.update(format!("{name}:{}\n", text.len()));
             hash.update(text);
         }
@@ -114,7 +115,8 @@ impl Package {
     }
 }
 
-/// Files included by a machine's own file: those of [`SUPPORT`], and the layout of `UF_Value`.
+/// Files that a machine's C file includes: the files of [`SUPPORT`], and the header with the layout
+/// of `UF_Value`.
 pub fn support(profile: &Profile) -> Vec<(&'static str, String)> {
     let fixed = SUPPORT
         .iter()
@@ -186,11 +188,11 @@ pub fn file_stem(name: &str) -> String {
             '_'
         });
     }
-    // Must also be a C identifier: FMI uses it as the model identifier.
+    // The stem must also be a C identifier, because FMI uses it as the model identifier.
     if !stem.starts_with(|c: char| c.is_ascii_alphabetic()) {
         stem.insert_str(0, "m_");
     }
-    // Must differ from the files that come with a package.
+    // The stem must differ from the names of the files that come with a package.
     let mut names = SUPPORT
         .iter()
         .map(|(n, _)| *n)

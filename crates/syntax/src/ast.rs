@@ -14,7 +14,7 @@ use linewright_core::source::Span;
 pub struct Name {
     /// Text of the word.
     pub text: String,
-    /// Role of the word.
+    /// Place of the word.
     pub span: Span,
 }
 
@@ -23,7 +23,7 @@ pub struct Name {
 pub struct File {
     /// Top-level items in source order.
     pub items: Vec<Item>,
-    /// Places of all items, including items within others, in source order; outer items come before
+    /// Places of all items in source order, including items within others. Outer items come before
     /// inner ones.
     pub places: Vec<Span>,
 }
@@ -56,7 +56,7 @@ pub struct Import {
     pub path: String,
     /// Whether the path was a dotted name.
     pub dotted: bool,
-    /// Role of the path.
+    /// Place of the path.
     pub span: Span,
 }
 
@@ -85,7 +85,7 @@ pub struct ConstDecl {
 pub struct Domain {
     /// Kind of type.
     pub kind: DomainKind,
-    /// Role of the type.
+    /// Place of the type.
     pub span: Span,
 }
 
@@ -212,7 +212,7 @@ pub enum ContractItem {
     Counter(Counter),
     /// `assume ...` or `guarantee ...`
     Formula {
-        /// `true` for `guarantee`.
+        /// `true` for `guarantee`, `false` for `assume`.
         guarantee: bool,
         /// Name of the formula, if any.
         name: Option<Name>,
@@ -232,7 +232,7 @@ pub enum ContractItem {
 pub struct Expr {
     /// Kind of expression.
     pub kind: ExprKind,
-    /// Role of the expression.
+    /// Place of the expression.
     pub span: Span,
 }
 
@@ -427,7 +427,7 @@ pub enum Scope {
     After(Box<Expr>),
     /// `between q and r`: from each q up to the next r, if there is one.
     Between(Box<Expr>, Box<Expr>),
-    /// `after q until r`: the same, and also if no r follows.
+    /// `after q until r`: from each q up to the next r, or to the end of the run if no r follows.
     AfterUntil(Box<Expr>, Box<Expr>),
 }
 
@@ -492,6 +492,41 @@ impl BinaryOp {
             Self::Mul => "*",
             Self::Div => "/",
             Self::Mod => "mod",
+        }
+    }
+
+    /// Returns whether grouping does not matter, so that a chain can be built as a balanced tree.
+    pub fn is_associative(self) -> bool {
+        match self {
+            Self::Iff | Self::Or | Self::Xor | Self::And | Self::Add | Self::Mul => true,
+            Self::Implies
+            | Self::Eq
+            | Self::Ne
+            | Self::Lt
+            | Self::Le
+            | Self::Gt
+            | Self::Ge
+            | Self::Sub
+            | Self::Div
+            | Self::Mod => false,
+        }
+    }
+
+    /// Returns whether the operands are conditions, and never numbers.
+    pub fn is_logical(self) -> bool {
+        match self {
+            Self::Iff | Self::Implies | Self::Or | Self::Xor | Self::And => true,
+            Self::Eq
+            | Self::Ne
+            | Self::Lt
+            | Self::Le
+            | Self::Gt
+            | Self::Ge
+            | Self::Add
+            | Self::Sub
+            | Self::Mul
+            | Self::Div
+            | Self::Mod => false,
         }
     }
 }
@@ -710,7 +745,8 @@ pub enum LineItem {
         part: Name,
         /// When the source makes parts.
         supply: Supply,
-        /// Maximum number of its parts in the line, from `, at most N in the line`.
+        /// Maximum number of parts from this source that can be in the line, from
+        /// `, at most N in the line`.
         most: Option<u64>,
     },
     /// `store ...`
@@ -771,7 +807,7 @@ pub enum LineItem {
         name: Name,
         /// Name of the metric.
         metric: Name,
-        /// Station whose metric it is, if the metric belongs to a station.
+        /// Station to which the metric belongs; `None` if it belongs to the line.
         of: Option<Name>,
         /// Comparison operator.
         op: BinaryOp,
@@ -779,7 +815,7 @@ pub enum LineItem {
         bound: Expr,
         /// Whether the bound is `per hour`.
         per_hour: bool,
-        /// Role of the whole requirement.
+        /// Place of the whole requirement.
         span: Span,
     },
     /// `shift a to b`

@@ -1,14 +1,14 @@
 //! A scan of a file's brackets, comments and quotes before the file is parsed.
 //!
-//! The grammar recovers from mistakes within an item, but not from a brace that is never closed:
-//! everything after it would be part of one broken item (and the repeated search for its end would
-//! take exponential time). This scan finds the brace, reports it, and returns a *mended copy* in
-//! which blanks before the next contract, machine or line are replaced by the missing `}`. All
-//! other bytes keep their offsets, so places in the copy are places in the file.
+//! The grammar recovers from mistakes within an item, but not from a brace that is never closed.
+//! Everything after such a brace would be part of one broken item, and the repeated search for its
+//! end would take exponential time. This scan finds the brace, reports it, and returns a *mended
+//! copy* in which blanks before the next contract, machine or line are replaced by the missing `}`.
+//! All other bytes keep their offsets, so places in the copy are places in the file.
 //!
-//! The scan also computes an upper bound of the grammar's recursion depth. The bound is safe
-//! because strings, comments and words are split exactly as in the grammar, and because a prefix
-//! word stops counting only where no rule of the grammar could continue.
+//! The scan also computes an upper bound of the grammar's recursion depth. The bound is safe for
+//! two reasons. Strings, comments and words are split exactly as in the grammar. A prefix word
+//! counts until a point at which no rule of the grammar could continue its operand.
 
 use super::words::ends_expressions;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -58,7 +58,7 @@ pub(super) const UNITS: &[&str] = &[
     "g",
 ];
 
-/// The text before a word.
+/// What precedes a word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Before {
     /// The end of an operand: a name, a closing bracket, a prime.
@@ -72,7 +72,7 @@ enum Before {
 struct Bracket {
     kind: u8,
     offset: usize,
-    /// Number of prefix words before the bracket, which count again once it is closed.
+    /// Number of prefix words before the bracket. They count again once it is closed.
     prefixes: usize,
     /// Whether the bracket opens a set of skills, which contains no expressions.
     skills: bool,
@@ -350,7 +350,8 @@ impl Scanner<'_> {
         self.scan.silenced.push(line..end + 1);
     }
 
-    /// Handles a word within braces that is only allowed outside of braces.
+    /// Handles a word within braces that is only allowed outside of braces: reports the braces as
+    /// never closed, and closes them in the mended copy.
     fn missing_brace(&mut self, word: &str, offset: usize) {
         let blanks = self.text.as_bytes()[self.code_end..]
             .iter()

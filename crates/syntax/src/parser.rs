@@ -105,8 +105,8 @@ fn too_deep(file: FileId, offset: usize) -> Diagnostic {
     .with_help("give the inner parts names with `define`, or use a constant array instead of a long `if ... else if`")
 }
 
-/// Returns the finding for a piece that matched no item. `context` is the `bad_*` rule that
-/// consumed it.
+/// Returns the finding for text that matched no item. `context` is the `bad_*` rule that consumed
+/// the text.
 pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) -> Diagnostic {
     let text = piece.trim_end();
     if let Some(finding) = skills::explain(file, start, text, context) {
@@ -251,8 +251,9 @@ fn has_clock_time(text: &str) -> bool {
     })
 }
 
-/// Explains a piece that begins with an operator by an error after the operator. The expression
-/// before the operator is complete, so it is replaced by a name.
+/// Explains an error in a piece that begins with an operator. The expression before the operator is
+/// complete, so a name replaces it, and the result is parsed again. Returns `None` if the error is
+/// not after the operator, or if the operand is missing.
 fn explain_operand(file: FileId, start: usize, piece: &str) -> Option<Diagnostic> {
     const BEFORE: &str = "guarantee always x ";
     if !begins_with_operator(piece) || piece.starts_with([')', ']']) {
@@ -299,8 +300,8 @@ pub(super) fn begins_with_operator(text: &str) -> bool {
         .contains(&word_at(text).as_str())
 }
 
-/// Returns the name of the context of a `bad_*` rule, and the words that begin an item in this
-/// context.
+/// Returns the name of the context of a `bad_*` rule for messages, and the words that can begin an
+/// item there.
 fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
     match context {
         Rule::bad_contract_item => (
@@ -472,8 +473,8 @@ fn finding_of(
     }
 }
 
-/// Returns help for a scope if one is being parsed: only in `between p and q` can `and` follow
-/// where `or` cannot.
+/// Returns help if a scope is being parsed. In a scope, `and` is expected but `or` is not, because
+/// only `between p and q` allows one without the other.
 fn scope_hint(expected: &[Rule]) -> Option<String> {
     let in_scope = expected.contains(&Rule::and_op) && !expected.contains(&Rule::or_op);
     in_scope.then(|| {
@@ -529,9 +530,10 @@ fn word_at(text: &str) -> String {
 fn expectations(rules: &[Rule]) -> String {
     let mut words: Vec<String> = Vec::new();
     for rule in rules {
-        // The rule of a keyword is named `k_` and the word.
+        // The rule of a keyword is named `k_` followed by the word.
         let name = format!("{rule:?}");
-        // After an order, the beginning of the next item is not worth mentioning.
+        // After an order, leave out the words that begin the next item, because they would only
+        // distract.
         if matches!(rule, Rule::k_component | Rule::k_order) && rules.contains(&Rule::EOI) {
             continue;
         }

@@ -1,4 +1,4 @@
-//! Removal of places from trees, to compare the content of two texts.
+//! Removes places from trees, so that the content of two texts can be compared.
 
 mod skills;
 

@@ -1,8 +1,8 @@
 //! Keywords of the language, which cannot be names.
 //!
-//! The grammar has its own rule for keywords (`reserved` in `lw.pest`). The parser's messages, the
-//! bracket scan and the printers of contracts use this table. `tests/language/words.rs` compares
-//! the two.
+//! The grammar has its own rule for keywords (`reserved` in `lw.pest`). This table serves the
+//! parser's messages, the bracket scan and the printers of contracts. `tests/language/words.rs`
+//! checks that the two agree.
 
 /// Letters of temporal operators. In skill sets they can be names.
 const TEMPORAL_LETTERS: [&str; 5] = ["GF", "G", "F", "X", "O"];

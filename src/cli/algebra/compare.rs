@@ -17,7 +17,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The path of an operand that is a folder on disk, which means all contracts in it.
+/// The path of an operand that is a folder on disk; such an operand stands for all contracts in the
+/// folder. `None` for other operands.
 pub fn library(operand: &Operand) -> Option<String> {
     match operand {
         Operand::Contract {

@@ -69,6 +69,9 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
     print_outcome(outcome, &joined.loaded, options)
 }
 
+/// Semantics of proofs that components discharge one another's assumptions.
+pub const STRICT: &str = "Semantics: strict, step by step: a component keeps its guarantees as long as its assumptions have been kept.\n";
+
 /// Formats the discharge table, and the verdict as a sentence.
 fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     let names: Vec<&str> = printer
@@ -82,7 +85,6 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
         text.push_str(&printer.table(&proof.discharges));
     }
     let exported = printer.exported(proof);
-    let semantics = "Semantics: strict, step by step: a component keeps its guarantees as long as its assumptions have been kept.\n";
     if proof.holds() {
         let what = match exported.len() {
             0 => "there are no assumptions about the environment".to_owned(),
@@ -90,7 +92,7 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
             n => format!("{n} assumptions remain, about the environment"),
         };
         let _ = writeln!(text, "All assumptions are discharged; {what}.");
-        text.push_str(semantics);
+        text.push_str(STRICT);
     } else {
         let open = proof.open.len();
         let _ = writeln!(

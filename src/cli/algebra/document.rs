@@ -13,7 +13,7 @@ use std::fmt;
 /// A reference to a formula.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct FormulaReference {
-    /// Contract or component that it belongs to.
+    /// Contract or component that the formula belongs to.
     pub of: String,
     /// Name of the formula.
     pub name: String,
@@ -27,13 +27,13 @@ pub struct DischargeEntry {
     /// The obligation.
     #[serde(flatten)]
     pub what: FormulaReference,
-    /// The rule by which it is discharged.
+    /// The rule by which the obligation is discharged.
     pub rule: DischargeRuleName,
     /// For justice: the turn, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub turn: Option<usize>,
-    /// The formulas from which it follows.
+    /// The formulas from which the obligation follows.
     pub by: Vec<FormulaReference>,
 }
 
@@ -43,9 +43,9 @@ pub struct OpenEntry {
     /// The obligation.
     #[serde(flatten)]
     pub what: FormulaReference,
-    /// Why it is not discharged.
+    /// Why the obligation is not discharged.
     pub reason: String,
-    /// A run that violates it.
+    /// A run that violates the obligation.
     pub counterexample: Counterexample,
 }
 
@@ -57,7 +57,7 @@ pub struct Counterexample {
     pub kind: &'static str,
     /// Steps in order.
     pub steps: Vec<BTreeMap<String, String>>,
-    /// For a lasso: index of the step from which the run repeats after the last one.
+    /// For a lasso: index of the step to which the run returns after the last one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<usize>,
 }
@@ -75,7 +75,7 @@ pub struct ProofEntry {
     pub loops: Vec<Vec<String>>,
 }
 
-/// A contract of which a result consists, as assumptions and guarantees.
+/// One of the contracts that make up a result, with its assumptions and guarantees.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Pair {
     /// Name of the contract.
@@ -121,7 +121,7 @@ pub enum Verdict {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Semantics {
-    /// Safety first, step by step.
+    /// Step by step: a component keeps its guarantees as long as its assumptions have been kept.
     Strict,
     /// Inclusion of infinite runs.
     Runs,
@@ -151,16 +151,16 @@ impl fmt::Display for LibraryChange {
     }
 }
 
-/// The document of a command.
+/// The JSON document that an algebra command prints.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Document {
-    /// Schema with the command's name.
+    /// Name of the schema; it contains the command's name.
     pub schema: String,
     /// Answer of the command.
     pub verdict: Verdict,
     /// Semantics of the decision.
     pub semantics: Semantics,
-    /// The contracts of which the result consists.
+    /// The contracts that make up the result.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<Pair>,
     /// The proofs, by name.
@@ -181,13 +181,13 @@ pub struct Document {
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "it only describes what `proofs` can hold")]
 struct Proofs {
-    /// Of `compose`, and of `refine` with several contracts.
+    /// Proof of `compose`, or of `refine` with several contracts.
     #[schemars(skip_serializing_if = "Option::is_none")]
     proof: Option<ProofEntry>,
-    /// Of `refine`: the assumptions of the old contract imply those of the new one.
+    /// Proof of `refine` that the assumptions of the old contract imply those of the new one.
     #[schemars(skip_serializing_if = "Option::is_none")]
     assumptions: Option<ProofEntry>,
-    /// Of `refine`: the guarantees of the new contract imply those of the old one.
+    /// Proof of `refine` that the guarantees of the new contract imply those of the old one.
     #[schemars(skip_serializing_if = "Option::is_none")]
     guarantees: Option<ProofEntry>,
 }

@@ -63,13 +63,13 @@ NEW refines OLD if it can be used wherever OLD was used: it assumes no more than
 guarantees no less. Whether a controller can keep NEW is a question for `check`. For two folders, contracts with the same name are compared; a removed \
 contract counts as broken.
 
-A contract is a file, FILE::NAME where it declares several, a library name such as std.handling.turn, or \
-an expression: compose(A, B), conjoin(A, B), quotient(A, B), merge(A, B).")]
+A contract is given as FILE, as FILE::NAME if the file declares several contracts, as a library name such as \
+std.handling.turn, or as an expression: compose(A, B), conjoin(A, B), quotient(A, B), merge(A, B).")]
 pub struct RefineArguments {
     /// Contract or folder to be refined
     #[arg(value_name = "OLD")]
     pub old: Operand,
-    /// Contract, expression or folder that refines it
+    /// Contract, expression or folder that is to refine OLD
     #[arg(value_name = "NEW")]
     pub new: Operand,
     /// Options common to the commands of the algebra.
@@ -91,11 +91,11 @@ pub struct Common {
     linewright compose std.handling.turn std.handling.place
     linewright compose std.handling.turn std.handling.place --rename Turn.desired=cell
 
-Variables of the same name are one wire. For each assumption the proof names what discharges \
-it: guarantees of the others step by step, their justice in an order without cycles, or the \
-environment. Assumptions about inputs from outside become assumptions of the composition. An \
+Variables of the same name are one wire. For each assumption, the proof names what discharges \
+it: the safety guarantees of the other components, by induction over the steps; their justice guarantees, \
+if these do not wait for one another in a cycle; or the environment. Assumptions about inputs from outside become assumptions of the composition. An \
 assumption that is not discharged is shown with a run that breaks it. The proof assumes \
-that each component keeps its guarantees; whether a controller can is a question for `check`.")]
+that each component keeps its guarantees; whether a controller can do so is a question for `check`.")]
 pub struct ComposeArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]
@@ -115,8 +115,8 @@ pub struct ComposeArguments {
     linewright compat std.handling.turn std.handling.place
 
 Contracts are compatible if some environment can keep their assumptions, whatever the \
-components do within their guarantees. This is a game with swapped roles, safety first. If \
-there is no such environment, a play shows why.")]
+components do within their guarantees. This is decided as a game with the roles swapped, first for \
+safety and then for justice. If there is no such environment, a play shows why.")]
 pub struct CompatArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]
@@ -161,9 +161,10 @@ pub struct MergeArguments {
 #[command(after_help = "Examples:
     linewright quotient std.handling.turn std.handling.turn
 
-The quotient is the weakest contract that, composed with EXISTING, refines WHOLE. The composition is checked.")]
+The quotient is the weakest contract that, composed with EXISTING, refines WHOLE. The command checks that the composition does so. \
+Contracts count as sets of infinite runs here, so the quotient may refuse a component that `compose` accepts because it reasons step by step.")]
 pub struct QuotientArguments {
-    /// Contract that both together must satisfy
+    /// Contract that EXISTING and the missing component must satisfy together
     #[arg(value_name = "WHOLE")]
     pub whole: Operand,
     /// Contract of the existing component
@@ -184,7 +185,7 @@ struct Joined {
     spans: Vec<Span>,
 }
 
-/// Result of a command that is not printed yet.
+/// Result of a command that has not been printed yet.
 struct Outcome {
     document: Document,
     /// Text for human-readable output.

@@ -15,7 +15,7 @@ use crate::engine::files::LoadedFiles;
 pub enum Operand {
     /// One contract.
     Contract {
-        /// Its alias; `None` for its own name.
+        /// Alias of the contract; `None` if it goes by its own name.
         name: Option<String>,
         /// File and name of the contract.
         selection: Selection,
@@ -251,7 +251,7 @@ fn find<'a>(selection: &Selection, loaded: &'a LoadedFiles) -> anyhow::Result<&'
         (_, []) => anyhow::bail!("{path} declares no contract that can be used"),
         (None, [only]) => Ok(only),
         (None, _) => anyhow::bail!(
-            "{path} declares several contracts: append one of {} to {path}::",
+            "{path} declares several contracts: write `{path}::NAME`, where NAME is one of {}",
             names()
         ),
         (Some(name), _) => match of_file.iter().find(|c| c.name == *name) {

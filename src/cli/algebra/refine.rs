@@ -1,5 +1,6 @@
 //! Refinement of a contract by another one, by a composition, or by any other expression.
 
+use super::compose::STRICT;
 use super::document::{self, Document, Semantics, Verdict};
 use super::operand::{Operand, Operation};
 use super::{Joined, Outcome, RefineArguments, gave_up, load_joined, print_outcome};
@@ -7,7 +8,7 @@ use crate::algebra::contract::Contract as Sets;
 use crate::algebra::decide::Decider;
 use crate::algebra::join::Sharing;
 use crate::algebra::proof::{Claim, Exports, prove};
-use crate::algebra::refine::{Question, Refinement, refine};
+use crate::algebra::refine::{Question, Refinement, lacks_environment, refine};
 use crate::algebra::system::{Component, ContractSide, System};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
@@ -95,7 +96,8 @@ fn refine_contract(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, 
     Ok(outcome)
 }
 
-/// Creates a printer for the proof of a question; `whole` owns the formulas of its goal.
+/// Creates a printer for the proof of a question; `whole` is the name of the contract whose
+/// formulas are the goal.
 pub fn question_printer<'a>(question: &'a Question, whole: &'a str) -> ProofPrinter<'a> {
     ProofPrinter {
         system: &question.system,
@@ -149,14 +151,7 @@ pub fn explain(
         }
     }
     if refinement.is_vacuous {
-        let message = format!(
-            "no environment keeps the assumptions of `{old}`, so every contract refines it"
-        );
-        findings.push(
-            Diagnostic::warning(codes::ENVIRONMENT_EMPTY, at(None), message).with_help(
-                "`check` names the contradictory assumptions; weaken them, and compare again",
-            ),
-        );
+        findings.push(vacuous(&format!("`{old}`"), at(None)));
     }
     let mut text = String::new();
     for (question, whole, what) in [
@@ -180,8 +175,21 @@ pub fn explain(
             format!("`{new}` does not refine `{old}`.")
         }
     );
-    text.push_str("Semantics: inclusion of infinite runs.\n");
+    text.push_str(RUNS);
     (findings, text)
+}
+
+/// Semantics of comparisons of contracts as pairs of sets of runs.
+pub const RUNS: &str = "Semantics: inclusion of infinite runs.\n";
+
+/// The finding that a comparison with `old` says nothing.
+fn vacuous(old: &str, at: Option<crate::source::Span>) -> Diagnostic {
+    Diagnostic::warning(
+        codes::ENVIRONMENT_EMPTY,
+        at,
+        format!("no environment keeps the assumptions of {old}, so every contract refines it"),
+    )
+    .with_help("`check` names the contradictory assumptions; weaken them, and compare again")
 }
 
 /// Compares a contract with a composition: under the assumptions of the contract, the parts have to
@@ -217,6 +225,13 @@ fn refine_by_composition(joined: &Joined, options: &GlobalOptions) -> Result<Out
         exports: Exports::Never,
         ..Claim::default()
     };
+    if lacks_environment(&joined.system, 0, &options.limits())? {
+        return Ok(Outcome {
+            document: document(joined, true, Semantics::Runs),
+            text: format!("Every contract refines `{}`.\n{RUNS}", whole.name),
+            findings: vec![vacuous(&format!("`{}`", whole.name), Some(joined.spans[0]))],
+        });
+    }
     let proof = prove(&system, &claim, &options.limits())?;
     let printer = ProofPrinter {
         system: &system,
@@ -235,7 +250,7 @@ fn refine_by_composition(joined: &Joined, options: &GlobalOptions) -> Result<Out
     let mut outcome = Outcome {
         document: document(joined, proof.holds(), Semantics::Strict),
         text: format!(
-            "{}{} {verdict} `{}`.\n",
+            "{}{} {verdict} `{}`.\n{STRICT}",
             printer.table(&proof.discharges),
             names.join(" ⊗ "),
             whole.name
@@ -253,11 +268,16 @@ fn refine_expression(joined: &Joined, options: &GlobalOptions) -> Result<Outcome
     let refutation = decider.refutation(&joined.sets[1], &joined.sets[0])?;
     let mut outcome = Outcome {
         document: document(joined, refutation.is_none(), Semantics::Runs),
-        text: "Refined: every component that satisfies the second satisfies the first, in every environment of the first.\n".to_owned(),
+        text: format!(
+            "Refined: in every environment of OLD, every component that satisfies NEW also satisfies OLD.\n{RUNS}"
+        ),
         findings: Vec::new(),
     };
+    if refutation.is_none() && decider.find(&joined.sets[0].assumption)?.is_none() {
+        outcome.findings.push(vacuous("OLD", Some(joined.spans[0])));
+    }
     if let Some((half, run)) = refutation {
-        outcome.text = String::new();
+        outcome.text = RUNS.to_owned();
         outcome.document.counterexample = Some(document::lasso(&joined.system, &run));
         outcome
             .findings
@@ -267,20 +287,22 @@ fn refine_expression(joined: &Joined, options: &GlobalOptions) -> Result<Outcome
 }
 
 fn refuted(joined: &Joined, half: ContractSide, shown: &str) -> Diagnostic {
-    let message = match half {
-        ContractSide::Assumptions => {
-            "not refined: an environment of the first can do this, but the second assumes that it does not"
-        }
-        ContractSide::Guarantees => {
-            "not refined: an implementation of the second can do this, but the first forbids it"
-        }
+    let (message, help) = match half {
+        ContractSide::Assumptions => (
+            "not refined: an environment of OLD can do this, but NEW assumes that it does not",
+            "weaken the assumptions of NEW so that they allow this run, or add an assumption to OLD that excludes it",
+        ),
+        ContractSide::Guarantees => (
+            "not refined: an implementation of NEW can do this, but OLD forbids it",
+            "add a guarantee to NEW that excludes this run, or weaken the guarantees of OLD",
+        ),
     };
     Diagnostic::error(codes::GUARANTEE_UNPROVED, joined.spans[0], message)
         .with_note(shown.to_owned())
-        .with_help("add a guarantee that excludes this run, or weaken the guarantees of the first")
+        .with_help(help)
 }
 
-/// Returns a run by which `small` does not refine `large`; `None` if it does.
+/// Returns a run that shows that `small` does not refine `large`; `None` if it does refine it.
 pub fn refutation(
     joined: &Joined,
     small: &Sets,

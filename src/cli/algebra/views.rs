@@ -73,6 +73,7 @@ fn outcome(
             }
         }
     }
+    outcome.text.push_str(refine::RUNS);
     Ok(outcome)
 }
 
@@ -131,7 +132,7 @@ fn text(operation: Operation, joined: &Joined) -> String {
     }
     let sentence = match operation {
         Operation::Conjoin => {
-            "The conjunction: the environment has to fit at least one of the contracts, and each guarantee holds where the assumptions of its contract hold."
+            "The conjunction: the environment has to keep the assumptions of at least one contract, and each guarantee holds wherever the assumptions of its contract hold."
         }
         Operation::Merge => {
             "The merge: if the environment keeps all assumptions, all guarantees hold."

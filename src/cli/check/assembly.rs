@@ -42,7 +42,7 @@ pub(super) struct Assembly<'a> {
     /// Progress over machines and lines, whose proofs take longest.
     pub(super) progress: &'a ProgressBar,
     pub(super) cache: Option<&'a Cache>,
-    /// Whether to make tables that take longer than the verdict.
+    /// Whether to compute the tables that take longer than the verdict.
     pub(super) verbose: bool,
     pub(super) timing: bool,
     pub(super) statistics: bool,
@@ -154,7 +154,8 @@ impl Assembly<'_> {
                 .any(|c| declaration.holds(c.span) && super::is_only_refined(self.loaded, c))
     }
 
-    /// Changes the verdict on lines with machines that are invalid or unrealizable.
+    /// Replaces the verdict on each line with a machine that is invalid, unrealizable or failed,
+    /// and removes the line's proof.
     fn invalidate_lines(&self, document: &mut Document) {
         let Document {
             machines, lines, ..
@@ -301,7 +302,8 @@ impl Assembly<'_> {
             let mut known = self.machines.iter().chain(instances);
             known.find(alike)?.controlled(self.checked)
         };
-        let mut fits = true;
+        // A line that is not in the library has an error, perhaps only in one of its machines.
+        let mut fits = line.is_some();
         if let Some(line) = line {
             let own = self.instances.iter().filter(|(of, _)| *of == line.span);
             for found in own.map(|(_, planned)| self.instance_findings(planned)) {

@@ -22,7 +22,8 @@ pub(super) struct Document {
     /// With `--watch`: the reason for the check.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub(super) occasion: Option<Trigger>,
-    /// The semantics of contracts: always `strict`, safety first.
+    /// The semantics of contracts: always `strict`, which means that the guarantees have to be kept
+    /// as long as the assumptions have been kept.
     #[schemars(extend("const" = "strict"))]
     pub(super) semantics: &'static str,
     /// The contracts.
@@ -45,43 +46,44 @@ pub(super) struct Document {
 pub(super) struct ContractEntry {
     /// The name of the contract.
     pub(super) name: String,
-    /// The file that declares it.
+    /// The file that declares the contract.
     pub(super) file: String,
     /// For a specification of another tool: its format, by file extension.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) format: Option<&'static str>,
-    /// Its codes in the taxonomies, such as `vdi:Drehen`.
+    /// The codes of the contract in the taxonomies, such as `vdi:Drehen`.
     pub(super) codes: Vec<String>,
-    /// Whether it has a controller.
+    /// Whether the contract has a controller.
     pub(super) verdict: Verdict,
-    /// Its findings.
+    /// Findings about the contract.
     pub(super) findings: Vec<json::Finding>,
     /// For an unrealizable contract: the guarantees that clash.
     pub(super) core: Vec<String>,
-    /// For an unrealizable contract: the assumptions without which fewer guarantees would already
-    /// clash.
+    /// For an unrealizable contract: the assumptions that matter; without any one of them, fewer
+    /// guarantees would already clash.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) matters: Vec<String>,
     /// For an unrealizable contract: a play that the plant wins.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) play: Option<PlayEntry>,
-    /// Changes that would make it realizable.
+    /// For an unrealizable contract: changes that would make it realizable.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) suggestions: Vec<Suggestion>,
-    /// Size of its counterstrategy, which `synth --counterstrategy` writes.
+    /// For an unrealizable contract: size of the counterstrategy, which `synth --counterstrategy`
+    /// writes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) counterstrategy: Option<CounterstrategyEntry>,
     /// For a realizable contract: the number of situations from which the machine can make the
     /// plant break an assumption.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) well_separation: Option<WellSeparation>,
-    /// The number of bits of its inputs.
+    /// The number of bits that encode the inputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) input_bits: Option<u32>,
-    /// The number of bits of its outputs.
+    /// The number of bits that encode the outputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) output_bits: Option<u32>,
-    /// The number of states of its controller.
+    /// The number of states of the controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) states: Option<usize>,
     /// Wall-clock time in seconds; absent with `--no-timing`.
@@ -112,10 +114,10 @@ pub(super) struct PlayEntry {
     /// Guarantees that clash in the last step.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) clash: Vec<String>,
-    /// Index of the step from which the play repeats for ever after the last step.
+    /// Index of the step to which the play returns after the last step, for ever.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) repeats_from: Option<usize>,
-    /// The guarantee that never holds again.
+    /// The guarantee that never holds again once the play repeats.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) never: Option<String>,
 }
@@ -123,19 +125,20 @@ pub(super) struct PlayEntry {
 /// The size of a counterstrategy.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct CounterstrategyEntry {
-    /// The number of its states.
+    /// The number of states of the counterstrategy.
     pub(super) states: usize,
-    /// Whether it was verified.
+    /// Whether the counterstrategy was verified.
     pub(super) verified: bool,
 }
 
-/// Results of both checks of Maoz and Ringert (2016): `[number, total]` of the situations that can
-/// occur.
+/// Results of both well-separation checks of Maoz and Ringert (2016). Each is `[number, total]`:
+/// the number of situations from which the machine can make the plant break an assumption, and the
+/// number of all situations that can occur.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct WellSeparation {
     /// For a machine that always keeps its guarantees.
     pub(super) forced: [u64; 2],
-    /// For an unrestricted machine.
+    /// For a machine that can also break its guarantees.
     pub(super) forced_ignoring_guarantees: [u64; 2],
 }
 
@@ -161,9 +164,9 @@ impl fmt::Display for Validity {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum SkillsVerdict {
-    /// Its rules can be kept.
+    /// The rules can be kept.
     Consistent,
-    /// Its rules or situations have errors: for example, they allow no call.
+    /// The rules or situations have errors; for example, the rules allow no call.
     Contradictory,
     /// A limit was reached first.
     GaveUp,
@@ -184,15 +187,15 @@ impl fmt::Display for SkillsVerdict {
 pub(super) struct SkillsEntry {
     /// The name of the set.
     pub(super) name: String,
-    /// The file that declares it.
+    /// The file that declares the set of skills.
     pub(super) file: String,
-    /// Whether its rules can be kept.
+    /// Whether the rules can be kept.
     pub(super) verdict: SkillsVerdict,
-    /// The number of its skills.
+    /// The number of skills in the set.
     pub(super) skills: usize,
-    /// The number of its rules.
+    /// The number of rules in the set.
     pub(super) rules: usize,
-    /// Its findings.
+    /// Findings about the set of skills.
     pub(super) findings: Vec<json::Finding>,
 }
 
@@ -201,23 +204,23 @@ pub(super) struct SkillsEntry {
 pub(super) struct MachineEntry {
     /// The name of the machine.
     pub(super) name: String,
-    /// The file that declares it.
+    /// The file that declares the machine.
     pub(super) file: String,
-    /// Its codes in the taxonomies.
+    /// The codes of the machine in the taxonomies.
     pub(super) codes: Vec<String>,
-    /// The worst verdict of its components.
+    /// The worst verdict of the machine's components.
     pub(super) verdict: Verdict,
-    /// Its components.
+    /// The components of the machine.
     pub(super) components: Vec<ComponentEntry>,
     /// How each assumption of a component is discharged, if the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
-    /// Closed composition of its controllers, if each component has one.
+    /// Closed composition of the components' controllers, if each component has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) closed: Option<ClosedEntry>,
-    /// Contracts that it is declared to refine.
+    /// Contracts that the machine is declared to refine.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) refines: Vec<RefinesEntry>,
-    /// Its findings.
+    /// Findings about the machine.
     pub(super) findings: Vec<json::Finding>,
 }
 
@@ -226,7 +229,7 @@ pub(super) struct MachineEntry {
 pub(super) struct ComponentEntry {
     /// The name of the component.
     pub(super) name: String,
-    /// The name of its contract.
+    /// The name of the component's contract.
     pub(super) contract: String,
     /// Whether the contract has a controller.
     pub(super) verdict: Verdict,
@@ -237,9 +240,9 @@ pub(super) struct ComponentEntry {
 pub(super) struct LineEntry {
     /// The name of the line.
     pub(super) name: String,
-    /// The file that declares it.
+    /// The file that declares the line.
     pub(super) file: String,
-    /// Whether it can be run.
+    /// Whether the line can be run.
     pub(super) verdict: Validity,
     /// For a valid line: whether parts keep moving.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -252,7 +255,7 @@ pub(super) struct LineEntry {
     pub(super) undecided: Vec<String>,
     /// How each requirement of the line, and each assumption of a place in it, is discharged.
     pub(super) discharges: Vec<DischargeEntry>,
-    /// Its findings.
+    /// Findings about the line.
     pub(super) findings: Vec<json::Finding>,
 }
 

@@ -51,7 +51,7 @@ fn shown(domain: &Domain, value: i64) -> Value {
     }
 }
 
-/// Entry for a counterstrategy, which is known only if it was verified.
+/// Entry for a counterstrategy. It is always verified, because only verified ones are kept.
 pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
     CounterstrategyEntry {
         states: machine.states.len(),
@@ -61,7 +61,7 @@ pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
 
 /// Converts the results of both checks.
 pub(super) fn well_separation(found: &EnvironmentFindings) -> WellSeparation {
-    // Rounded above 2^53.
+    // Counts above 2^53 are rounded.
     let whole = |counts: [f64; 2]| counts.map(|n| n as u64);
     WellSeparation {
         forced: whole(found.forced_states),

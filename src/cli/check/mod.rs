@@ -29,7 +29,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use view::{FileView, view};
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "check",
     "Verdicts on contracts, machines and lines",
@@ -47,7 +47,7 @@ pub const DOCUMENT: Described = Described::new(
     $ linewright check --watch contracts/
 
 A contract is realizable if some controller keeps its guarantees as long as the plant keeps its \
-assumptions (strict semantics, safety first). The controller is synthesized and verified, but \
+assumptions (strict semantics, step by step). The controller is synthesized and verified, but \
 not written; for a large contract that no machine uses, only the verdict is given. Results for \
 unchanged contracts are read from the cache (see --no-cache).
 
@@ -62,7 +62,7 @@ pub struct Arguments {
     /// variable order
     #[arg(long)]
     pub stats: bool,
-    /// Write down why the contract is realizable, in a form that others can check
+    /// Write a certificate that the contract is realizable, for other programs to check
     #[arg(
         long,
         value_name = "FILE",
@@ -171,7 +171,8 @@ fn check(
                 .contains(&library.sources.file(c.span.file).name)
         });
         let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
-        // If the contract has errors, these are already the findings.
+        // If the contract itself has errors, they are already reported, so its absence is not
+        // reported as well.
         let found = if own.is_empty() && has_errors(&findings) {
             Vec::new()
         } else {

@@ -1,4 +1,4 @@
-//! The files of a check with their declarations, and whether these are free of errors.
+//! The files of a check with their declarations, and whether the declarations are free of errors.
 
 use crate::cli::outline::{self, Declaration, Kind};
 use crate::diagnostics::{Diagnostic, codes, has_errors};
@@ -84,7 +84,7 @@ impl<'a> FileView<'a> {
     }
 }
 
-/// The view of a file.
+/// Returns the view of a file; `None` if the check has no such file.
 pub(super) fn view<'a, 'b>(files: &'b [FileView<'a>], id: FileId) -> Option<&'b FileView<'a>> {
     files.iter().find(|f| f.id == id)
 }

@@ -1,9 +1,9 @@
 //! `check --watch`: checks again whenever a file has changed, until Ctrl-C.
 //!
-//! Unchanged contracts keep their results: contracts at the same place from the previous check,
-//! contracts that have moved within their file from the cache. If the user disabled the cache, a
-//! temporary one is used during the watch. Ctrl-C ends the watch normally, with the exit code of
-//! the last completed check.
+//! Unchanged contracts are not solved again. If a contract is still at the same place, its result
+//! comes from the previous check; if it has moved within its file, from the cache. If the user
+//! disabled the cache, a temporary one is used during the watch. Ctrl-C ends the watch normally,
+//! with the exit code of the last completed check.
 
 mod file_watcher;
 
@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// The reason for a check: a part of its JSON document.
+/// The reason for a check, as a part of the JSON document of the check.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct Trigger {
     /// Changes since the previous check; empty for the first check.
@@ -43,7 +43,8 @@ impl Trigger {
         }
     }
 
-    /// `[08:15:00 UTC] turn.lw has changed, lamp.lw is new`; empty for the first check.
+    /// Formats the trigger: `[08:15:00 UTC] turn.lw has changed, lamp.lw is new`. Empty for the
+    /// first check.
     fn line(&self) -> String {
         if self.changes.is_empty() {
             return String::new();
@@ -62,7 +63,7 @@ impl Trigger {
 pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     if options.format == Format::Sarif {
         anyhow::bail!(
-            "SARIF holds one check only: leave --watch out, or use it with `--format json`"
+            "a SARIF document can hold only one check: leave out --watch, or use it with `--format json`"
         );
     }
     let console = options.console();
@@ -102,8 +103,8 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
     }
 }
 
-/// Text for the line of a trigger, if the trigger is not a part of the document; in human output,
-/// surrounded by blank lines.
+/// Formats a trigger's line for printing before a check; human output has blank lines around it.
+/// Empty for JSON, where the trigger is a part of the document.
 fn line_for(format: Format, line: &str) -> String {
     match format {
         Format::Human if !line.is_empty() => format!("\n\u{1b}[1m{line}\u{1b}[0m\n"),

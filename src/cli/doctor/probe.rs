@@ -110,8 +110,8 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     Ok(options.exit_code(&findings))
 }
 
-/// The profile inferred from a dump, with its facts; in the second round, the profile with which
-/// the probe was built, if the dump confirms it.
+/// Returns the profile inferred from a dump, with the facts about its layout. In the second round,
+/// returns the profile with which the probe was built, if the dump confirms it.
 fn evaluate(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Diagnostic>> {
     match infer::confirm(dump) {
         Some(Ok(profile)) => {
@@ -130,7 +130,8 @@ fn evaluate(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec
                 .and_then(Path::file_stem)
                 .map(|s| s.to_string_lossy().chars().take(60).collect::<String>())
                 .filter(|s| {
-                    // The name must not claim what the profile's state says.
+                    // Whether the profile is verified must only follow from its state, not from its
+                    // name.
                     let is_misleading = s.to_lowercase().contains("verified");
                     !s.trim().is_empty() && !s.chars().any(char::is_control) && !is_misleading
                 })
@@ -150,7 +151,7 @@ fn evaluate(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec
     }
 }
 
-/// Formats the evaluation as text; with `with_profile`, also the profile's file.
+/// Formats the evaluation as text; with `with_profile`, also the text of the profile file.
 fn report(dump: &Dump, profile: &Profile, facts: &[Fact], with_profile: bool) -> String {
     let mut out = format!(
         "The layout of UF_Value from {} calls ({}): {}\n\n",

@@ -13,7 +13,7 @@ static REFERENCE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/reference/lan
 pub struct Topic {
     /// The name: a heading of the reference, or a command as typed.
     name: String,
-    /// Whether it is a construct or a command.
+    /// Whether the topic is a construct or a command.
     kind: Kind,
     /// The names by which it can be requested.
     #[serde(skip)]
@@ -88,7 +88,7 @@ pub fn names(topics: &[Topic]) -> impl Iterator<Item = &str> {
     keys.map(String::as_str)
 }
 
-/// The sections of a page of the reference whose headings name a construct in code.
+/// Those sections of a reference page whose heading names a construct in backticks.
 fn constructs(page: &str) -> Vec<Topic> {
     let mut sections: Vec<(&str, String)> = Vec::new();
     let mut fenced = false;

@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Programs to check
     #[arg(required = true, value_name = "PROGRAM")]
     pub programs: Vec<String>,
-    /// Rules [default: the only file next to the program that declares skills]
+    /// Rules [default: the .lw file next to the program, if exactly one such file declares skills]
     #[arg(long, value_name = "FILE[::NAME]")]
     pub rules: Option<Selection>,
     /// Also refuse programs that end in the middle of a sequence
@@ -51,7 +51,7 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "order-check",
     "Verdicts on programs: `order check`",
@@ -84,17 +84,17 @@ enum ProgramVerdict {
 struct Entry {
     /// The file of the program.
     file: String,
-    /// Whether the rules allow it.
+    /// Whether the rules allow the program.
     verdict: ProgramVerdict,
-    /// The number of its calls.
+    /// The number of calls in the program.
     calls: usize,
     /// The first call that is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     violation: Option<ViolationEntry>,
-    /// The shortest calls that complete a program that ends too early.
+    /// For a program that ends too early: the shortest sequence of calls that completes it.
     #[serde(skip_serializing_if = "Option::is_none")]
     completion: Option<Vec<Vec<String>>>,
-    /// Its findings.
+    /// Findings about the program.
     findings: Vec<json::Finding>,
 }
 
@@ -111,7 +111,7 @@ struct ViolationEntry {
     rule: Option<String>,
     /// Why the call is refused.
     why: String,
-    /// The shortest calls after which the call is allowed.
+    /// The shortest sequence of calls after which the refused call is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     detour: Option<Vec<Vec<String>>>,
     /// The calls that are allowed instead.
@@ -205,7 +205,7 @@ fn find_rules(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Sele
 
 type CheckedProgram = (Entry, String, Vec<Diagnostic>);
 
-/// Checks one program: its entry, its line in the text, and its findings.
+/// Checks one program. Returns its entry, its line in the text output, and its findings.
 fn check_program(
     name: &str,
     read: Read,
@@ -268,7 +268,7 @@ fn check_program(
         if let Some(open) = unfinished(&checked, chosen, arguments.whole, last) {
             if arguments.whole {
                 entry.verdict = ProgramVerdict::Refused;
-                shown = format!("{name}: refused at its end ({level})\n");
+                shown = format!("{name}: refused because it ends too early ({level})\n");
             }
             findings.push(open);
         }

@@ -37,7 +37,7 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "order-complete",
     "The calls that are allowed next: `order complete`",
@@ -64,15 +64,15 @@ struct Document {
 struct RefusedEntry {
     /// The skills that are called at once.
     call: Vec<String>,
-    /// The rule that refuses it.
+    /// The rule that refuses the call.
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
-    /// Why it is refused.
+    /// Why the call is refused.
     why: String,
-    /// The shortest calls after which it is allowed.
+    /// The shortest sequence of calls after which this call is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<Vec<Vec<String>>>,
-    /// Whether the search for such calls was abandoned.
+    /// Whether the search for such a sequence was abandoned.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     undecided: bool,
 }

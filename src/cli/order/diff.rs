@@ -1,4 +1,5 @@
-//! `linewright order diff`: finds the shortest calls that distinguish two sets of rules.
+//! `linewright order diff`: finds the shortest sequence of calls that distinguishes two sets of
+//! rules.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, RuleSelection};
@@ -23,24 +24,27 @@ use serde::Serialize;
 #[command(after_help = "Examples:
     linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/printed/grammars.lw::ValidFirst --rule trays
 
-    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/printed/grammars.lw::ValidBoth
-    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --level valid --other-level reasonable
-    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --paper --at-once 2
+    $ linewright order diff examples/pick-and-place/unit.lw \\
+        examples/pick-and-place/printed/grammars.lw::ValidBoth
+    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw \\
+        --level valid --other-level reasonable
+    $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw \\
+        --paper --at-once 2
 
-Both sets need the same skills; components and situations may differ. --rule and --no-rule \
+Both sets need the same skills; components and situations can differ. --rule and --no-rule \
 select rules of A. B has all its rules unless --other-rule is given, and the level of A unless \
 --other-level is given. The exit code is 0 if both allow the same calls, 1 otherwise.")]
 pub struct Arguments {
     /// One set of rules
     #[arg(value_name = "A")]
     pub first: Selection,
-    /// The other one
+    /// The other set of rules
     #[arg(value_name = "B")]
     pub second: Selection,
     /// Level of B [default: that of A]
     #[arg(long, value_enum, value_name = "LEVEL")]
     pub other_level: Option<LevelName>,
-    /// Also compare where programs may end
+    /// Also compare where programs are allowed to end
     #[arg(long)]
     pub whole: bool,
     /// Only find calls that A allows and B refuses
@@ -57,10 +61,10 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "order-diff",
-    "The shortest calls that distinguish two sets of rules: `order diff`",
+    "The shortest sequence of calls that distinguishes two sets of rules: `order diff`",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -74,7 +78,7 @@ struct Document {
     second: String,
     /// Whether both allow the same programs.
     equal: bool,
-    /// The shortest calls that distinguish the sets.
+    /// The shortest sequence of calls that distinguishes the sets.
     #[serde(skip_serializing_if = "Option::is_none")]
     calls: Option<Vec<Vec<String>>>,
     /// Which set allows these calls.
@@ -204,8 +208,8 @@ fn titles(first: &RuleSelection, second: &RuleSelection, arguments: &Arguments) 
     }
 }
 
-/// The calls that are possible in both sets: skills of one component in either set are never called
-/// at once.
+/// The calls that are possible in both sets: two skills that belong to one component in either set
+/// are never called at once.
 fn common_calls(first: &RuleSelection, second: &Skills, max: usize) -> Vec<Call> {
     let own = calls(&first.skills, max);
     let other = calls(second, max);

@@ -30,7 +30,7 @@ const ALL_AT_ONCE: u8 = 64;
     linewright order fsm examples/pick-and-place/unit.lw --by-component --emit svg --out unit.svg
 
 Two states have one transition between them, however many calls lead from one to the other. A \
-call of several skills at once is omitted if some of them alone lead to the same state.")]
+call of several skills at once is omitted if calling only some of them leads to the same state.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
@@ -38,13 +38,13 @@ pub struct Arguments {
     /// Output form [default: table, or json with --format json]
     #[arg(long, value_enum, value_name = "FORM")]
     pub emit: Option<Emit>,
-    /// One automaton for each component and each rule, instead of their product
+    /// Print one automaton for each component and each rule, instead of their product
     #[arg(long)]
     pub by_component: bool,
-    /// Maximum number of skills called at once [default: one of each component]
+    /// Maximum number of skills called at once [default: one per component]
     #[arg(long, value_name = "N", default_value_t = ALL_AT_ONCE, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// Output file; without it, standard output
+    /// Output file [default: standard output]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Selection of rules.
@@ -65,7 +65,7 @@ pub enum Emit {
     Svg,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "order-fsm",
     "The automaton of the rules: `order fsm`",
@@ -141,11 +141,11 @@ struct StateEntry {
 /// A transition.
 #[derive(JsonSchema, Serialize)]
 struct TransitionEntry {
-    /// The index of the state that it leaves.
+    /// The index of the state that the transition leaves.
     from: usize,
-    /// The index of the state that it enters.
+    /// The index of the state that the transition enters.
     to: usize,
-    /// The calls that take it, each as the skills called at once.
+    /// The calls that take the transition, each as the skills called at once.
     calls: Vec<Vec<String>>,
 }
 
@@ -165,11 +165,11 @@ struct RegionEntry {
 /// A transition of a region.
 #[derive(JsonSchema, Serialize)]
 struct RegionTransition {
-    /// The index of the state that it leaves.
+    /// The index of the state that the transition leaves.
     from: usize,
-    /// The index of the state that it enters.
+    /// The index of the state that the transition enters.
     to: usize,
-    /// The skills that take it.
+    /// The skills that take the transition.
     label: Vec<String>,
 }
 

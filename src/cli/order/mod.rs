@@ -40,11 +40,11 @@ pub enum Command {
     Fsm(fsm::Arguments),
     /// Print the allowed calls as a regular expression
     Regex(regex::Arguments),
-    /// Find the shortest calls that distinguish two sets of rules
+    /// Find the shortest sequence of calls that distinguishes two sets of rules
     Diff(diff::Arguments),
     /// List the calls that are allowed next
     Complete(complete::Arguments),
-    /// Find superfluous calls (recalls, detours) that rules may forbid without losing a situation
+    /// Find superfluous calls (recalls, detours) that rules can forbid without losing a situation
     Strongest(strongest::Arguments),
 }
 
@@ -84,7 +84,7 @@ pub struct Choice {
     #[arg(id = "no_rule", long = "no-rule", value_name = "NAME")]
     pub no_rules: Vec<String>,
     /// Allow simultaneous skills if at least one order of calling them is allowed; by default,
-    /// every order must be
+    /// every order must be allowed
     #[arg(long)]
     pub some_order: bool,
     /// Follow the published model: delete exactly the transitions that a rule lists under

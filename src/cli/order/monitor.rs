@@ -23,7 +23,7 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "order-monitor",
     "The answer to each call, one per line: `order monitor`",
@@ -53,13 +53,13 @@ pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Write a monitor instead of monitoring
+    /// Write the source of a monitor instead of monitoring standard input
     #[arg(long, value_enum, value_name = "FORM")]
     pub emit: Option<Emit>,
-    /// Output folder; without it, standard output
+    /// Output folder [default: standard output]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Maximum number of skills called at once [default: one of each component]
+    /// Maximum number of skills called at once [default: one per component]
     #[arg(long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
     /// Stop at the first refused call
@@ -77,7 +77,7 @@ pub enum Emit {
     C,
     /// Function block in IEC 61131-3 Structured Text.
     St,
-    /// The same function block as `PLCopen` XML.
+    /// Function block in `PLCopen` XML.
     Plcopen,
 }
 
@@ -275,7 +275,7 @@ fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
     })
 }
 
-/// The text of a line, without a byte order mark on the first one.
+/// The text of a line; on the first line, without a byte order mark.
 fn without_mark(line: &[u8], number: u64) -> &[u8] {
     let mark = if number == 1 { "\u{feff}" } else { "" };
     line.strip_prefix(mark.as_bytes()).unwrap_or(line)

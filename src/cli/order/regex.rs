@@ -33,7 +33,7 @@ pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Only programs that do not end in the middle of a sequence
+    /// Match only programs that do not end in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
     /// Selection of rules.
@@ -41,7 +41,7 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "order-regex",
     "The allowed calls as a regular expression: `order regex`",

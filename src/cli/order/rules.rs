@@ -25,7 +25,7 @@ pub struct RuleSelection {
     pub options: Options,
 }
 
-/// First fields of the documents of these commands.
+/// First fields of the documents of most `order` commands.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Head {
     schema: String,
@@ -74,7 +74,7 @@ pub fn choose(
     let [(name, span)] = picked.as_slice() else {
         let names: Vec<&str> = picked.iter().map(|(n, _)| n.as_str()).collect();
         return Err(EarlyExit::Failed(anyhow::anyhow!(
-            "{path} declares several sets of skills: append one of {} to {path}::",
+            "{path} declares several sets of skills: write `{path}::NAME`, where NAME is one of {}",
             names.join(", "),
             path = selection.path
         )));
@@ -101,8 +101,8 @@ fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
         if !names.contains(&name.as_str()) {
             let instead = match nearest(name, names.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None if names.is_empty() => "there are none".to_owned(),
-                None => format!("they are {}", names.join(", ")),
+                None if names.is_empty() => "it has no rules".to_owned(),
+                None => format!("its rules are {}", names.join(", ")),
             };
             anyhow::bail!("`{}` has no rule `{name}`: {instead}", skills.name);
         }
@@ -123,7 +123,8 @@ fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
     Ok(skills.with_rules(&kept.collect::<Vec<_>>()))
 }
 
-/// Finds the only file next to a program that declares skills.
+/// Finds the `.lw` file that declares skills in the folder of a program. Fails unless there is
+/// exactly one.
 pub fn find_next_to(program: &str) -> anyhow::Result<Selection> {
     let folder = match Path::new(program).parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

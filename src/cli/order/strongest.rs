@@ -23,11 +23,11 @@ use std::fmt::Write as _;
     linewright order strongest examples/pick-and-place/unit.lw --longest 3 --useful 'left & open' --drop detour_Left_Right
 
 A recall is a call that changes nothing; a detour is a sequence of calls that a shorter one \
-replaces. A situation is lost if no allowed program reaches it any more.
+could replace. A situation is lost if no allowed program reaches it any more.
 
 Recalls and detours that can be forbidden without losing a useful situation are printed as rules \
-for the file. The others are printed as comments, with the situations that would be lost. The \
-choice depends on the order of the skills; --drop rejects a rule, and the others are computed \
+for the file. The others are printed as comments, with the situations that would be lost. Which \
+rules are chosen depends on the order of the skills; --drop rejects a rule, and the others are computed \
 again.")]
 pub struct Arguments {
     /// The rules
@@ -48,10 +48,10 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-/// The document of the command.
+/// Describes the JSON document that the command prints.
 pub const DOCUMENT: Described = Described::new(
     "order-strongest",
-    "The recalls and detours that rules may forbid: `order strongest`",
+    "The recalls and detours that rules can forbid: `order strongest`",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -60,7 +60,7 @@ pub const DOCUMENT: Described = Described::new(
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
-    /// The number of states of the automaton with the kept candidates.
+    /// The number of states of the automaton once the kept candidates are added as rules.
     states: usize,
     /// The number of transitions of this automaton.
     transitions: usize,
@@ -94,10 +94,10 @@ struct CandidateEntry {
     lost: Option<LostEntry>,
 }
 
-/// What would be lost with a rule.
+/// What would be lost if a rule were added.
 #[derive(JsonSchema, Serialize)]
 struct LostEntry {
-    /// The calls after which it would be lost.
+    /// The calls after which the situation would be lost.
     after: Vec<Vec<String>>,
     /// The situation that would be lost; absent if no program could be completed.
     #[serde(skip_serializing_if = "Option::is_none")]

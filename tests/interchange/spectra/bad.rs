@@ -223,6 +223,18 @@ fn depth_and_length_are_bounded() {
         };
         assert!(of(text).specification.is_some(), "{sign}");
     }
+    // As many states as an automaton may have.
+    for (expression, states) in [
+        ("[a] ".repeat(1_500), 1_500),
+        ("[!a]{1900}".to_owned(), 1_900),
+        ("[a] | ".repeat(3_000) + "[a]", 0),
+    ] {
+        let specification = read_text(&format!("{head}gar trig [b] |=> {expression};"))
+            .specification
+            .expect("no limit is reached");
+        let largest = specification.variables.iter().map(|v| v.domain.size());
+        assert!(largest.max() > Some(states), "{states}");
+    }
     // Definitions that double at each step, and long chains of defines.
     let mut doubling = String::from(head);
     doubling += "define d0 := a;\n";

@@ -334,6 +334,7 @@ fn triggers_and_regular_expressions() {
             and(not(then(p(), any())), many(Box::new(Re::Any), 1, None)),
         ),
         ("(~[p])[q]", then(not(p()), q())),
+        ("~~[p] ~~~[q]", then(p(), not(q()))),
         ("true* [p & q]", then(any(), and(p(), q()))),
         ("both", then(any(), then(p(), q()))),
         ("false | [q]", or(Box::new(Re::Never), q())),

@@ -117,7 +117,7 @@ fn rejected_parts_that_nobody_orders_again() {
     LW405: cell: the assumption "turn: gripped" was broken at 0:00:01, at work on Part 2: turn: the assumption gripped does not hold in step 3
       Compare the rule with the part's properties and the machine's bindings.
     LW403: the line can no longer advance at 0:00:04, with 4 of 5 products made: nothing is left to do: printer has made all 5 that were ordered, and 1 part was rejected and not ordered again
-      Let a source make more parts (a rejecting sink can reorder them), or require fewer products.
+      Let a source make more parts (a sink that rejects parts can order replacements), or require fewer products.
     "#);
 }
 
@@ -135,8 +135,8 @@ fn a_part_without_a_way() {
     assert_eq!(trace.end, End::Blocked);
     insta::assert_snapshot!(text(&trace), @"
     LW402: Part 1 has no way onward from cell at 0:00:01
-      Add a route for Part without a condition after the others.
-    LW403: the line can no longer advance at 0:00:01, with 0 of 5 products made: source waits for cell, cell keeps Part 1, which has no way onward
+      After the other routes for Part, add one without a condition.
+    LW403: the line can no longer advance at 0:00:01, with 0 of 5 products made: source waits for cell, cell holds Part 1, which has no way onward
       Give every part a route onward from every place that it can reach.
     ");
 }
@@ -253,6 +253,6 @@ fn a_source_paused_by_its_limit_is_named() {
     let trace = builder.run(3);
     assert_eq!(trace.end, End::Blocked);
     let finding = &trace.findings[0];
-    let note = "source makes no part while 1 Raw are in the line or kept by a source";
+    let note = "source makes no part while 1 Raw are in the line or held by a source";
     assert!(finding.notes.iter().any(|n| n == note), "{finding:?}");
 }

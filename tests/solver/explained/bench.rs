@@ -51,11 +51,27 @@ fn specification(file: &PathBuf) -> Option<Specification> {
     (spec.variables.len() <= MOST_VARIABLES).then_some(spec)
 }
 
-/// Cores, counterstrategies, plays and repairs of all unrealizable benchmarks; prints the table of
-/// `tests/README.md`.
+/// Some benchmarks come in three formats; one of them is enough for the ordinary test.
 #[test]
 fn every_unrealizable_benchmark_is_explained() {
+    let Some(mut files) = files() else { return };
+    files.retain(|file| {
+        let other = file.with_extension("spectra");
+        *file == other || !other.exists()
+    });
+    assert!(explain(files) >= 10);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --test solver explained:: -- --ignored"]
+fn every_unrealizable_benchmark_is_explained_in_each_format() {
     let Some(files) = files() else { return };
+    assert!(explain(files) >= 18);
+}
+
+/// Cores, counterstrategies, plays and repairs of the unrealizable ones of these files; prints the
+/// table of `tests/README.md`. Returns the number of files that are explained.
+fn explain(files: Vec<PathBuf>) -> usize {
     let limits = Limits::default();
     let mut ratios = Vec::new();
     let mut suggested = 0;
@@ -120,5 +136,5 @@ fn every_unrealizable_benchmark_is_explained() {
         ratios[ratios.len() / 2],
         ratios[ratios.len() - 1]
     );
-    assert!(ratios.len() >= 18, "only {} files", ratios.len());
+    ratios.len()
 }

@@ -218,11 +218,11 @@ fn lengths(lists: &[Functions], draft: &Draft) -> [Option<usize>; ROLES] {
 
 /// The ordinary tests play one game in this many: coprime to every number of choices, so that all
 /// choices occur.
-const STRIDE: usize = 7;
+const STRIDE: usize = 23;
 
 #[test]
 fn games_of_four_bits_by_the_formula() {
-    assert!(play_every(STRIDE) >= 20_000);
+    assert!(play_every(STRIDE) >= 6_000);
 }
 
 #[test]

@@ -9,11 +9,11 @@ use linewright::gr1::{Domain, Formula, Specification, Timing};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// Number of unrestricted games.
-const ANY: u64 = 5_000;
+/// Number of games of each kind.
+const ORDINARY: u64 = 2_000;
 
-/// Number of games with integers and at least two justice formulas on either side.
-const WITH_GOALS: u64 = 5_000;
+/// Number of games of each kind in the tests that are ignored by default.
+const LONG: u64 = 20_000;
 
 /// Statistics of the games.
 #[derive(Debug, Default, Clone)]
@@ -128,25 +128,45 @@ fn play_all(
 /// Every way of solving finds the naive solver's verdict, whatever the specification.
 #[test]
 fn any_games_in_every_way() {
-    let counts = play_all(0..ANY, specification);
+    play_any(ORDINARY);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --test solver oracle:: -- --ignored"]
+fn many_games_in_every_way() {
+    play_any(LONG);
+}
+
+fn play_any(count: u64) {
+    let counts = play_all(0..count, specification);
     counts.say();
     let [mealy, moore] = counts.verdicts;
     assert!(
-        mealy.iter().chain(&moore).all(|n| n * 10 > ANY),
+        mealy.iter().chain(&moore).all(|n| n * 10 > count),
         "{counts:?}"
     );
     assert!(
-        counts.tried.verdicts == Extent::Five.verdicts() * ANY,
+        counts.tried.verdicts == Extent::Five.verdicts() * count,
         "{counts:?}"
     );
-    assert!(counts.tried.reordered > ANY / 2, "{counts:?}");
+    assert!(counts.tried.reordered > count / 2, "{counts:?}");
     complete(&counts.tried);
 }
 
 /// The hardest case: all three fixpoints matter, and integers make some codes invalid.
 #[test]
 fn games_with_integers_and_goals_in_every_way() {
-    let counts = play_all(2_000_000..2_000_000 + WITH_GOALS, |r| {
+    play_with_goals(ORDINARY);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --test solver oracle:: -- --ignored"]
+fn many_games_with_integers_and_goals_in_every_way() {
+    play_with_goals(LONG);
+}
+
+fn play_with_goals(count: u64) {
+    let counts = play_all(2_000_000..2_000_000 + count, |r| {
         let specification = specification_with_goals(r);
         assert!(specification.assumptions.justice.len() >= 2);
         assert!(specification.guarantees.justice.len() >= 2);
@@ -157,18 +177,18 @@ fn games_with_integers_and_goals_in_every_way() {
     counts.say();
     let [mealy, moore] = counts.verdicts;
     assert!(
-        mealy.iter().chain(&moore).all(|n| n * 10 > WITH_GOALS),
+        mealy.iter().chain(&moore).all(|n| n * 10 > count),
         "{counts:?}"
     );
     // Justice matters in many of them, on either side.
-    assert!(counts.goals_decide * 20 > WITH_GOALS, "{counts:?}");
-    assert!(counts.assumptions_decide * 5 > WITH_GOALS, "{counts:?}");
-    assert!(counts.integer_goals * 2 > WITH_GOALS, "{counts:?}");
-    assert!(counts.step_goals * 5 > WITH_GOALS, "{counts:?}");
+    assert!(counts.goals_decide * 20 > count, "{counts:?}");
+    assert!(counts.assumptions_decide * 5 > count, "{counts:?}");
+    assert!(counts.integer_goals * 2 > count, "{counts:?}");
+    assert!(counts.step_goals * 5 > count, "{counts:?}");
     assert!(
-        counts.tried.verdicts == Extent::Five.verdicts() * WITH_GOALS,
+        counts.tried.verdicts == Extent::Five.verdicts() * count,
         "{counts:?}"
     );
-    assert!(counts.tried.reordered > ANY / 2, "{counts:?}");
+    assert!(counts.tried.reordered > count / 2, "{counts:?}");
     complete(&counts.tried);
 }

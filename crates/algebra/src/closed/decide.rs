@@ -1,7 +1,7 @@
 //! The decision procedure for a closed composition.
 //!
-//! Safety needs one query if there are no errors: can any error occur in a step after steps without
-//! errors? Only if so is each obligation examined separately, in the order of a step. Justice is
+//! Safety is first decided as a whole: can any error occur in a step after steps without errors?
+//! Only if one can, each obligation is examined separately, in the order of a step. Justice is
 //! decided on the runs without errors.
 
 use super::rules::{RuleSet, ScheduledObligation, StepObligation};
@@ -132,8 +132,8 @@ impl ClosedDecider<'_> {
 
     fn conclude(&mut self, obligation: &ScheduledObligation, broken: Option<Vec<Vec<i64>>>) {
         match (obligation.kind, broken) {
-            // A component without outputs has no inputs that keep its assumptions, so they are not
-            // recorded as met.
+            // If a component has no outputs, no inputs keep its assumptions, so the assumptions are
+            // not recorded as met.
             (StepObligation::Assumption(_), None) if self.is_silent(obligation.component) => {}
             (StepObligation::Assumption(at), None) => self.record_met(at),
             (StepObligation::Assumption(at), Some(trace)) => {
@@ -167,8 +167,8 @@ impl ClosedDecider<'_> {
         self.verdict.met.push((at, met));
     }
 
-    /// Records that an obligation is not met, with a run as the counterexample, or as undecided if
-    /// the controllers cannot make the run.
+    /// Records that an obligation is not met, with a run as the counterexample. If the controllers
+    /// cannot make the run, the obligation is recorded as undecided.
     fn record_open(&mut self, what: FormulaRef, why: Refutation) {
         let open = Open { what, why };
         if self.is_real(replay::check_open(self.closed, &open)) {

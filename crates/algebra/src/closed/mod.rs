@@ -1,8 +1,8 @@
 //! The closed composition of a machine: its components are their synthesized controllers.
 //!
-//! [`crate::proof`] shows what is true of all controllers that keep the contracts. Here each
+//! [`crate::proof`] shows what is true for all controllers that keep the contracts. Here, each
 //! component has one given controller, and outside inputs are restricted only by the [`Claim`]. So
-//! the answer is exact: a positive result is true of the machine that is built, and a negative
+//! the answer is exact: a positive result is true for the machine that is built, and a negative
 //! result comes with a run that the controllers themselves make ([`replay`]).
 //!
 //! - A table (`table.rs`) becomes rules over the component's wires and one more variable. Together
@@ -54,13 +54,13 @@ pub enum Form {
 /// A component in the composition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Participant {
-    /// Representation.
+    /// Representation of the component.
     pub form: Form,
     /// For a table: the variable that, together with the outputs, identifies its state.
     pub state: Option<VarId>,
     /// For a table: the encoding of its states.
     pub states: Option<TableStates>,
-    /// Index of its first wire.
+    /// Index of the component's first wire.
     pub first: usize,
 }
 
@@ -81,7 +81,7 @@ pub struct ClosedComposition<'a> {
     /// Variables that check that operations run the actions they name. Only for a machine with
     /// operations, built with [`ClosedComposition::of_machine`].
     pub watch: Option<Watch>,
-    /// Boolean that stays true once the examined rule is broken; only used if only infinite runs
+    /// Boolean that stays true once the examined rule is broken; `None` unless only infinite runs
     /// count.
     violated: Option<VarId>,
 }
@@ -89,10 +89,10 @@ pub struct ClosedComposition<'a> {
 /// How an obligation of a closed composition is met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DischargeMethod {
-    /// It holds in every reachable state.
+    /// The obligation holds in every reachable state.
     Held,
-    /// It holds in every reachable state except in the first step of a call, where the caller is
-    /// responsible for it.
+    /// The obligation holds in every reachable state except in the first step of a call, where the
+    /// caller is responsible for it.
     Exported,
 }
 
@@ -101,9 +101,9 @@ pub enum DischargeMethod {
 pub struct StuckComponent {
     /// Index of the component.
     pub component: usize,
-    /// Whether it answers first and has no outputs in its state. A verified table has a row for all
-    /// inputs that keep the assumptions, so no inputs keep the assumptions in that state
-    /// ([`ClosedComposition::contradiction`]).
+    /// Whether the component answers first and has no outputs in its state. A verified table has a
+    /// row for all inputs that keep the assumptions, so no inputs keep the assumptions in that
+    /// state ([`ClosedComposition::contradiction`]).
     pub silent: bool,
     /// Run in whose last step the component has no answer. For a silent component, the wires in
     /// that step have no meaning.
@@ -122,8 +122,9 @@ pub struct OperationFailure {
 /// Failure of an operation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FailureKind {
-    /// No call can begin with the operation because of these assumptions. If there are several,
-    /// each of them alone prevents it.
+    /// No call can begin with the operation because of these assumptions. Either the operation
+    /// could begin without any one of them, or they are all the assumptions that mention the
+    /// requested operation.
     NeverBegins(Vec<FormulaRef>),
     /// In the last step of this run an action begins out of order, or the operation is done too
     /// early or too late.

@@ -231,8 +231,8 @@ impl ClosedComposition<'_> {
         Ok(())
     }
 
-    /// Replays a run. It must have no errors; in the last step only as far as `until`, whose own
-    /// assumptions are not checked.
+    /// Replays a run, which must have no errors. The last step is replayed only as far as `until`;
+    /// the assumptions of the component that `until` names are not checked.
     fn play(&self, steps: &[Vec<i64>], until: Until) -> Result<Replay<'_>, String> {
         let mut replay = Replay::new(self);
         let Some(last) = steps.len().checked_sub(1) else {
@@ -308,7 +308,7 @@ impl ClosedComposition<'_> {
 /// the last step.
 ///
 /// # Errors
-/// If the run does not prove it; the text says what is wrong with the run.
+/// If the run does not prove this; the text states what is wrong with it.
 pub fn check_stuck(closed: &ClosedComposition<'_>, found: &StuckComponent) -> Result<(), String> {
     let steps = &found.trace;
     let component = found.component;
@@ -340,7 +340,7 @@ pub fn check_stuck(closed: &ClosedComposition<'_>, found: &StuckComponent) -> Re
 /// Checks that a run proves that an obligation is not met.
 ///
 /// # Errors
-/// If the run does not prove it; the text says what is wrong with the run.
+/// If the run does not prove this; the text states what is wrong with it.
 pub fn check_open(closed: &ClosedComposition<'_>, found: &Open) -> Result<(), String> {
     let what = closed.formula(found.what);
     match &found.why {
@@ -374,7 +374,7 @@ pub fn check_open(closed: &ClosedComposition<'_>, found: &Open) -> Result<(), St
 /// begins there is no run, and nothing is checked.
 ///
 /// # Errors
-/// If the run does not prove it; the text says what is wrong with the run.
+/// If the run does not prove this; the text states what is wrong with it.
 pub fn check_operation_failure(
     closed: &ClosedComposition<'_>,
     found: &OperationFailure,

@@ -11,11 +11,11 @@ use linewright_solver::game::{Rule, RuleKind};
 /// advances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StepObligation {
-    /// If it answers first, it has outputs.
+    /// A component that answers first has outputs.
     HasOutputs,
     /// This assumption of the component is kept.
     Assumption(FormulaRef),
-    /// Its table has a row for its inputs.
+    /// The component's table has a row for its inputs.
     HasRow,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct RuleSet {
     /// Those of `keep` that are assumptions of components.
     pub kept: Vec<(FormulaRef, usize)>,
     /// For each component represented by its table: the rules of the table (which are in `keep`),
-    /// and the same rules restricted to inputs for which the table has a row.
+    /// and rules that require the same only for inputs for which the table has a row.
     pub tables: Vec<Option<[[usize; 2]; 2]>>,
     /// Rules that hold even in a step with errors.
     pub last: Vec<usize>,
@@ -166,8 +166,8 @@ impl RuleSet {
         }
     }
 
-    /// Adds a table: it takes a row that matches the inputs; in a step with errors, anything may
-    /// happen if no row matches.
+    /// Adds a table. A row that matches the inputs is taken. If no row matches, which is possible
+    /// only in a step with errors, anything can happen.
     fn add_table(&mut self, closed: &ClosedComposition<'_>, component: usize) {
         let Some(table) = closed.table(component) else {
             return;
@@ -303,7 +303,7 @@ impl ClosedComposition<'_> {
     }
 }
 
-/// Returns the condition that a formula puts on step 0 and on later steps; none for justice.
+/// Returns the condition that a formula puts on step 0 and on later steps; always true for justice.
 fn in_step(kind: RuleKind, formula: &Formula) -> StepCondition {
     let expr = &formula.expr;
     match kind {

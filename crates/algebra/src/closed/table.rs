@@ -5,16 +5,16 @@
 //! replaced by their bindings.
 //!
 //! The outputs of a step almost determine the state of the table after the step. So only one small
-//! variable is added ([`TableStates`]): it selects one of the states that rows with these outputs
-//! lead to.
+//! variable is added ([`TableStates`]): it selects one of the states to which rows with these
+//! outputs lead.
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, Timing, VarId};
 use linewright_solver::game::{Rule, RuleKind};
 use linewright_solver::mealy::{Guard, Machine, Test, Transition};
 use std::collections::BTreeMap;
 
-/// Encoding of a table's states: the outputs of the last step, and a number among the states that
-/// rows with these outputs lead to.
+/// Encoding of a table's states: the outputs of the last step, and a number that selects one of the
+/// states to which rows with these outputs lead.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TableStates {
     /// For the outputs of each row, the states that such rows lead to, in ascending order.
@@ -60,11 +60,11 @@ impl TableStates {
 
 /// A table with its connections in a machine.
 pub(super) struct Table<'a> {
-    /// Table.
+    /// The table itself.
     pub machine: &'a Machine,
     /// Expression over wires for each input.
     pub bindings: &'a [Expr],
-    /// Index of its first wire.
+    /// Index of the component's first wire.
     pub first: usize,
     /// Variable for the number in the encoding of the state.
     pub state: VarId,
@@ -169,7 +169,8 @@ impl Table<'_> {
         })
     }
 
-    /// Builds a condition from one for each state before the step.
+    /// Combines the conditions for all states in which the table can be before a step; the state is
+    /// `None` before step 0.
     fn over_states(&self, condition: impl Fn(&Self, Option<usize>, Time) -> Expr) -> StepCondition {
         let states = 0..self.machine.states.len();
         let cases = states.map(|s| {
@@ -190,7 +191,8 @@ impl Table<'_> {
         any(encodings.collect())
     }
 
-    /// Returns the condition that, with the outputs of a row, encodes the next state of the row.
+    /// Returns the condition that the state variable, with the outputs of a row, encodes the next
+    /// state of the row.
     fn leads_to(&self, row: &Transition, time: Time) -> Expr {
         let number = self
             .states

@@ -1,5 +1,5 @@
-//! Variables that check that each operation runs exactly the actions it names, and is done after
-//! the last one.
+//! Variables that check that each operation runs exactly the actions it names, and is done only
+//! after the last one.
 //!
 //! Every step belongs to a call. A call begins in step 0, or in the step after one in which the
 //! previous operation was done. An action begins in a step in which it is active if it was not
@@ -15,7 +15,7 @@ use linewright_solver::game::{Rule, RuleKind};
 /// Variables that track the actions of operations.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Watch {
-    /// Wire with the requested operation, if operations are requested by a wire.
+    /// Wire with the requested operation; `None` if operations are not requested by a wire.
     pub operation: Option<VarId>,
     /// Number of actions that have begun in this call; it stops counting at one more than the
     /// number of actions of the longest operation.
@@ -79,7 +79,7 @@ impl Watch {
         })
     }
 
-    /// Returns the rules that no call, neither the first nor a later one, is for this operation.
+    /// Returns two rules: the first call is not for this operation, and neither is any later call.
     pub(super) fn never_begins(&self, machine: &Machine, operation: usize) -> [Rule; 2] {
         let runs = self.runs(machine, operation);
         let next = runs.substitute(&mut |v, _| Expr::Var(v, Time::Next));

@@ -57,7 +57,7 @@ impl Delay<'_> {
     }
 }
 
-/// Builds the game; `late` is true of the variables that are set after the outside variables.
+/// Builds the game; `late` is true for the variables that are set after the outside variables.
 pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Mealy, |v| !driven(v));
@@ -83,8 +83,8 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
 
     let none = BTreeMap::new();
     let kept = delay.all(guaranteed(), &none);
-    // The components give up if they cannot name values that make their early answer an allowed
-    // one; the conditions on the step before are checked first.
+    // The components also lose if they cannot name values with which their early answer is an
+    // allowed one; the conditions on the step before are checked first.
     let has_allowed_answer = delay.all(guaranteed().chain(defining()), &allowed);
     let kept = has_allowed_answer.clone().and(kept);
     let mut rules = Side {

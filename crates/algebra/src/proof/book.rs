@@ -8,7 +8,7 @@ use linewright_core::source::Span;
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs};
 use std::collections::BTreeSet;
 
-/// Origin of a rule, and whether other proofs may rely on it within a step.
+/// Origin of a rule, and whether other proofs can rely on it within a step.
 #[derive(Debug, Clone)]
 pub struct Entry {
     /// Formula of the rule; `None` for the definition of a monitor.
@@ -17,11 +17,12 @@ pub struct Entry {
     pub component: Option<usize>,
     /// Variables that the rule mentions.
     pub mentions: BTreeSet<VarId>,
-    /// Mentioned variables that the component sets (for givens: variables that come from outside);
-    /// all mentioned variables if there are none, and for formulas of the goal.
+    /// Variables that the rule is considered to define: the mentioned variables that the component
+    /// sets (for givens: those that come from outside). If there are none, and for formulas of the
+    /// goal: all mentioned variables.
     pub defines: BTreeSet<VarId>,
     /// Whether the rule holds in a step regardless of other components' answers in that step. This
-    /// is true of formulas of the claim, definitions of monitors, and guarantees of a component
+    /// is true for formulas of the claim, definitions of monitors, and guarantees of a component
     /// that answers first about its own answer.
     pub unconditional: bool,
 }

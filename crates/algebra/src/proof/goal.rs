@@ -12,9 +12,9 @@ use std::collections::{BTreeSet, VecDeque};
 const NEAR: [usize; 3] = [1, 2, 3];
 
 impl<'a> Prover<'a> {
-    /// Proves the goal. Justice of the goal may rest on other justice of the goal that is already
-    /// proved, since that holds on all runs. So a proof can proceed in small steps where a single
-    /// step would be too expensive.
+    /// Proves the goal. Justice of the goal can rest on other justice of the goal that is already
+    /// proved, because the latter holds on all runs. So a proof can proceed in small steps where a
+    /// single step would be too expensive.
     pub(super) fn prove_goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
         // The goal is proved in the turns after all assumptions.
         let turns = self
@@ -84,9 +84,9 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// Proves justice of the goal: first all formulas that follow from near rules; then, while
-    /// formulas are left, one formula from all rules, which can make other formulas provable from
-    /// near rules. Lemmas are only tried with near rules.
+    /// Proves justice of the goal. First, all formulas that follow from near rules are proved. If
+    /// formulas are left, one of them is proved from all rules; then others might follow from near
+    /// rules, so the search starts again. Lemmas are only tried with near rules.
     fn prove_justice_goals(
         &mut self,
         mut left: Vec<usize>,
@@ -112,13 +112,13 @@ impl<'a> Prover<'a> {
                     match found {
                         Some(by) => {
                             self.show(rule, &by, turn);
-                            // With this formula proved, others may follow from nearer rules.
+                            // With this formula proved, others might follow from nearer rules.
                             if far > 0 {
                                 left = waiting.into();
                                 continue 'again;
                             }
                         }
-                        // Try it last the next time.
+                        // The formula is tried last in the next round.
                         None => waiting.push_back(rule),
                     }
                 }
@@ -141,8 +141,8 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Returns the number of rules near a goal; a proof of a goal with many of them is likely to
-    /// help most.
+    /// Returns the number of rules near a goal. A goal with many of them is proved first, because
+    /// its proof is likely to help most.
     fn neighbours(&self, rule: usize) -> usize {
         let rings = self.book.rings(&[rule], &self.hypotheses());
         rings.iter().take(2).map(Vec::len).sum()
@@ -153,7 +153,7 @@ impl<'a> Prover<'a> {
         at.is_some_and(|at| self.claim.lemmas.contains_key(&at))
     }
 
-    /// Returns whether the rule is a lemma that every formula may rest on.
+    /// Returns whether the rule is a lemma that every formula can rest on.
     pub(super) fn is_common_lemma(&self, rule: usize) -> bool {
         let at = self.book.entries[rule].at;
         at.is_some_and(|at| self.claim.lemmas.get(&at) == Some(&Reach::Near))
@@ -165,7 +165,7 @@ impl<'a> Prover<'a> {
     }
 
     /// Returns the rules from which the prover first tries to derive a formula, if the claim
-    /// prescribes them. `others` are the rules outside the goal that may be relied on.
+    /// prescribes them. `others` are the rules outside the goal that can be relied on.
     pub(super) fn sources(&self, rule: usize, others: &[usize]) -> Option<Vec<usize>> {
         let from = self.from(rule)?;
         let again = self.book.is_justice(rule);
@@ -179,7 +179,7 @@ impl<'a> Prover<'a> {
         Some((0..self.book.entries.len()).filter(is_there).collect())
     }
 
-    /// Removes lemmas from the result on which nothing else rests.
+    /// Removes from the result the lemmas on which nothing else rests.
     fn remove_unused_lemmas(&mut self) {
         loop {
             let discharges = &self.proof.discharges;

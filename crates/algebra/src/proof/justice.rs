@@ -74,8 +74,9 @@ impl Prover<'_> {
         Ok(waiting)
     }
 
-    /// Discharges one justice assumption with the guarantees of these components, preferably an
-    /// assumption that mentions few components; returns the others.
+    /// Discharges one justice assumption with the guarantees of the components in `reliable`,
+    /// preferably an assumption that mentions few components. Returns the assumptions that are
+    /// left.
     fn discharge_by_justice(
         &mut self,
         left: &[usize],
@@ -119,8 +120,8 @@ impl Prover<'_> {
             .collect()
     }
 
-    /// Returns the rules that justice may rest on: the hypotheses, justice of the environment and
-    /// of these components, and proved justice of the goal.
+    /// Returns the rules that justice can rest on: the hypotheses, justice of the environment and
+    /// of the components in `reliable`, and proved justice of the goal.
     pub(super) fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
         let mut found = self.hypotheses();
         found.extend(self.book.rules_where(|at| {
@@ -164,7 +165,7 @@ impl Prover<'_> {
         Ok(None)
     }
 
-    /// Returns a run that keeps all rules that may be relied on, and on which a justice rule never
+    /// Returns a run that keeps all rules that can be relied on, and on which a justice rule never
     /// holds from some step on.
     pub(super) fn starving_run(
         &mut self,
@@ -191,7 +192,8 @@ impl Prover<'_> {
         })
     }
 
-    /// Returns the query for runs that keep these rules, including the monitors of `others`.
+    /// Returns the query for runs that keep the rules `kept`, including the definitions of the
+    /// monitors that `kept` and `others` mention.
     pub(super) fn run_query(&self, kept: &[usize], others: &[usize]) -> RunQuery {
         let all = kept.iter().chain(others).copied();
         let mut keep = self.book.definitions(all);

@@ -21,8 +21,8 @@ pub struct AnswerDependencies {
 }
 
 impl AnswerDependencies {
-    /// Computes the dependencies. For components that are on no cycle of wires, `components` has
-    /// the wires, and `variables` has nothing.
+    /// Computes the dependencies. For a component that is on no cycle of wires, `components`
+    /// contains the dependencies by wires, and `variables` contains nothing.
     pub fn new(book: &mut ProofRules<'_>) -> Result<Self, Limit> {
         let system = book.system;
         let mut waits = Self {
@@ -81,7 +81,8 @@ impl AnswerDependencies {
     }
 }
 
-/// Returns the nodes of a shortest cycle through a node of a graph, beginning with that node.
+/// Returns the nodes of a shortest cycle through a node of a graph, beginning with that node;
+/// `None` if there is no cycle.
 pub fn cycle_through<N: Copy + Ord>(next: impl Fn(N) -> Vec<N>, start: N) -> Option<Vec<N>> {
     let mut ways = vec![vec![start]];
     let mut seen = BTreeSet::new();

@@ -5,19 +5,19 @@
 //! not sufficient that each assumption follows from guarantees of others. These rules are sound:
 //!
 //! - **Safety, step by step.** By induction, no assumption is the first formula to be broken: up to
-//!   the previous step everything was kept, and in this step an assumption may rest on guarantees
+//!   the previous step everything was kept, and in this step an assumption can rest on guarantees
 //!   of components whose answers do not depend on it (Abadi and Lamport, "Conjoining
 //!   Specifications", TOPLAS 17, 1995). For this, the components are put in an order; outputs that
 //!   wait for one another within a step are rejected.
-//! - **Justice, in an order.** If each of two components keeps its justice only because the other
+//! - **Justice, in turns.** If each of two components keeps its justice only because the other
 //!   does, neither is proved (McMillan, "Circular compositional reasoning about liveness", CHARME
 //!   1999). So the proof proceeds in turns: a component's justice guarantees are relied on only
-//!   after all its own justice assumptions were discharged. Assumptions that remain wait for one
+//!   after all its own justice assumptions were discharged. The remaining assumptions wait for one
 //!   another in cycles, which are reported.
 //!
 //! The proof has a premise: a component that answers first is relied on to keep its guarantees
 //! about its own answer, without checking its assumptions in that step. If the assumptions of a
-//! component allow its environment no next step, the component may do anything there; `check`
+//! component allow its environment no next step, the component can do anything there; `check`
 //! reports such contracts (LW206).
 //!
 //! Each discharge rests on a minimal set of formulas. A sufficient set is searched near the
@@ -45,16 +45,16 @@ pub struct Claim {
     /// Formulas that the components together have to keep (*goal*), in addition to each other's
     /// assumptions.
     pub goal: Side,
-    /// Formulas of the goal that need not be proved; if one is proved, other formulas may rest on
+    /// Formulas of the goal that need not be proved. Once one is proved, other formulas can rest on
     /// it.
     pub lemmas: BTreeMap<FormulaRef, Reach>,
-    /// For a formula of the goal, the formulas from which the prover first tries to derive it; for
-    /// a lemma, the only ones. Formulas of the goal among them count only once they are proved. So
-    /// a claim can prescribe a proof in many small steps.
+    /// For a formula of the goal: the formulas from which the prover tries to derive it first. A
+    /// lemma is derived from these formulas only. Formulas of the goal among them can be used only
+    /// once they are proved. In this way, a claim can prescribe a proof in many small steps.
     pub from: BTreeMap<FormulaRef, BTreeSet<FormulaRef>>,
     /// Formulas of the goal that were already proved step by step; they are not proved again.
     pub known: BTreeSet<FormulaRef>,
-    /// Whether assumptions about outside inputs may be exported to the environment.
+    /// Whether assumptions about outside inputs are exported to the environment.
     pub exports: Exports,
 }
 
@@ -89,7 +89,7 @@ impl Claim {
     }
 }
 
-/// Which formulas may rest on a lemma.
+/// Which formulas can rest on a lemma.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reach {
     /// Every formula of the goal whose variables lead to the lemma.
@@ -127,16 +127,17 @@ pub struct Discharge {
 /// Rules of discharge, in the order in which they are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum DischargeRule {
-    /// It follows from formulas that the environment keeps: givens and exported assumptions.
+    /// The obligation follows from formulas that the environment keeps: givens and exported
+    /// assumptions.
     Environment,
-    /// It is exported: the environment has to keep it.
+    /// The obligation is exported: the environment has to keep it.
     Exported,
-    /// It is proved step by step: it is not broken before a guarantee is.
+    /// The obligation is proved step by step: it is not broken before a guarantee is.
     Induction,
-    /// It recurs because justice guarantees of other components do.
+    /// The obligation recurs because justice guarantees of other components recur.
     Justice {
-        /// Turn in which it was discharged, from 0. Only components whose justice assumptions were
-        /// discharged in earlier turns are relied on.
+        /// Turn in which the obligation was discharged, from 0. Only components whose justice
+        /// assumptions were discharged in earlier turns are relied on.
         turn: usize,
     },
 }
@@ -153,7 +154,8 @@ pub struct Open {
 /// A counterexample, over all variables of the system.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refutation {
-    /// The last step breaks the obligation, although everything was kept in all earlier steps.
+    /// A finite run. Its last step breaks the obligation, although everything was kept in all
+    /// earlier steps.
     Trace(Vec<Vec<i64>>),
     /// An infinite run on which the obligation never holds again from some step on.
     Lasso(Lasso),
@@ -169,8 +171,8 @@ pub struct SameStepLoop {
 /// A cycle of justice assumptions that wait for one another.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cycle {
-    /// Assumptions of the cycle: each is kept by the component that makes the next assumption, and
-    /// that component keeps it only under its own assumption; the last one waits for the first.
+    /// Assumptions of the cycle. Each one is kept by the component that makes the next assumption,
+    /// and only if that component's own assumption is kept; the last one waits for the first.
     pub assumptions: Vec<FormulaRef>,
 }
 

@@ -22,7 +22,7 @@ pub struct Prover<'a> {
     order: Order,
     /// Rule numbers of the assumptions that are exported to the environment.
     pub(super) exported: Vec<usize>,
-    /// Formulas of the goal that are proved: other justice of the goal may rest on them.
+    /// Formulas of the goal that are proved: other justice of the goal can rest on them.
     pub(super) shown: Vec<usize>,
     /// The formulas in `shown` that are kept step by step, even in steps after which no run
     /// continues.
@@ -40,12 +40,12 @@ struct Order {
     /// Position of each component. Components with the same position wait for one another, or might
     /// do so.
     places: Vec<usize>,
-    /// For a component, other components with the same position that count as earlier.
+    /// For a component: other components with the same position that count as earlier.
     earlier: BTreeMap<usize, BTreeSet<usize>>,
 }
 
 impl Order {
-    /// Returns whether the answer of the first component may be relied on when the inputs of the
+    /// Returns whether the answer of the first component can be relied on when the inputs of the
     /// second are checked.
     fn is_before(&self, first: usize, second: usize) -> bool {
         self.places[first] < self.places[second]
@@ -151,7 +151,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Returns whether a rule may be relied on in the same step in which a component's assumption
+    /// Returns whether a rule can be relied on in the same step in which a component's assumption
     /// is checked.
     fn is_usable(&self, rule: usize, component: usize) -> bool {
         let entry = &self.book.entries[rule];
@@ -164,7 +164,7 @@ impl<'a> Prover<'a> {
 
     // ---- safety ---------------------------------------------------------------------------------
 
-    /// Returns the rules that safety may rest on: givens, exported assumptions, guarantees of
+    /// Returns the rules that safety can rest on: givens, exported assumptions, guarantees of
     /// components, and proved common lemmas, without justice.
     pub(super) fn hypotheses(&self) -> Vec<usize> {
         let mut found = self.book.rules_where(|at| is_given(*at));
@@ -175,8 +175,8 @@ impl<'a> Prover<'a> {
         found
     }
 
-    /// Adds the safety assumptions of components to these rules, since they were kept in all
-    /// earlier steps. They follow from the other rules unless an assumption is open.
+    /// Adds the safety assumptions of components to these rules, since these assumptions were kept
+    /// in all earlier steps. They follow from the other rules unless an assumption is open.
     pub(super) fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
         let assumed = self.book.rules_where(|at| is_assumption(*at));
         rules.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
@@ -223,7 +223,7 @@ impl<'a> Prover<'a> {
                 }
             }
             // Assumptions that only the environment can keep are exported; then other assumptions
-            // may follow from them.
+            // might follow from them.
             for (rule, why) in failed {
                 match self.export(rule)? {
                     Ok(by) => {
@@ -545,7 +545,7 @@ impl<'a> Prover<'a> {
         let mut candidates = self.hypotheses();
         candidates.push(rule);
         let violation = |p: &mut Self, kept: &[usize]| {
-            // In the last step, the assumption has to be proved.
+            // In the last step, the assumption has to be proved, so it is left out.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
             let last = kept
                 .iter()

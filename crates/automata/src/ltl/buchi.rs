@@ -90,8 +90,8 @@ mod tests {
                 state = after(&automaton, state, *letter);
                 last.push(automaton.accepting[state]);
             }
-            // There are fewer states than steps in the second half, so the states seen there recur
-            // for ever.
+            // The second half of the run has more steps than the automaton has states, so the
+            // states that it visits recur for ever.
             let half = &last[last.len() / 2..];
             assert_eq!(half.contains(&true), wanted, "{beginning:?} {round:?}");
         }

@@ -11,7 +11,7 @@ pub struct Node(u32);
 pub enum Formula {
     /// True or false.
     Constant(bool),
-    /// An atom with `true`, its negation with `false`.
+    /// An atom if the flag is `true`, its negation if it is `false`.
     Atom(usize, bool),
     /// Conjunction.
     And(Vec<Node>),
@@ -19,11 +19,13 @@ pub enum Formula {
     Or(Vec<Node>),
     /// The operand holds in the next step.
     Next(Node),
-    /// The first operand holds until the second does, which must happen.
+    /// The first operand holds until the second one does, and the second one has to hold
+    /// eventually.
     Until(Node, Node),
-    /// The first operand holds until the second does, or for ever.
+    /// The first operand holds until the second one does, or for ever.
     Weak(Node, Node),
-    /// The second operand holds up to and including the step in which the first does, or for ever.
+    /// The second operand holds up to and including the step in which the first one does, or for
+    /// ever.
     Release(Node, Node),
 }
 

@@ -2,9 +2,10 @@
 //!
 //! A state of such an automaton is the obligation that remains after the previous steps: a
 //! condition on the following steps, built from temporal formulas with "and" and "or". A step
-//! replaces each formula by its requirement on the steps after that (Bacchus and Kabanza, "Using
-//! temporal logics to express search control knowledge for planning", 2000). Conditions are
-//! [antichains](crate::antichain), so that equivalent conditions are recognized as one state.
+//! replaces each formula by what the formula requires of the steps after this one (Bacchus and
+//! Kabanza, "Using temporal logics to express search control knowledge for planning", 2000).
+//! Conditions are [antichains](crate::antichain), so that equivalent conditions are recognized as
+//! one state.
 //!
 //! [`safety`] returns an automaton that refuses bad prefixes; [`buchi`] also handles eventualities.
 

@@ -61,8 +61,8 @@ impl<'f> Progression<'f> {
         })
     }
 
-    /// Returns the conjunction (`and`) or disjunction of the conditions that `of` returns for a
-    /// list.
+    /// Returns the conjunction (if `and`) or disjunction of the conditions that `of` returns for
+    /// the formulas in `list`.
     fn combine_list(
         &mut self,
         and: bool,

@@ -14,9 +14,9 @@ pub struct Limits {
     pub alternatives: usize,
 }
 
-/// Returns the minimal automaton of a formula without `until`. Its letter `i` is the step in which
-/// the atoms in the bits of `letters[i]` hold. It refuses a letter if no continuation after it
-/// satisfies the formula.
+/// Returns the minimal automaton of a formula without `until`. Letter `i` stands for a step in
+/// which exactly the atoms in the bits of `letters[i]` hold. It refuses a letter if no continuation
+/// after it satisfies the formula.
 ///
 /// # Errors
 /// When the automaton exceeds the limits.
@@ -26,7 +26,8 @@ pub fn safety(
     letters: &[u32],
     limits: Limits,
 ) -> Result<Dfa, BoundExceeded> {
-    // A state is refused if no alternative is left, which is easy to see with terms.
+    // The conditions are terms, because a false condition then has no alternatives, which is easy
+    // to check.
     let mut progression = Progression::new(formulas, Reading::Terms, limits.alternatives);
     let start = progression.as_condition(formula)?;
     let step = |state: &_, letter: usize| {

@@ -70,7 +70,7 @@ impl Regex {
         if empty { body.optional() } else { body }
     }
 
-    /// Returns any number of repetitions, including none.
+    /// Returns an expression for any number of repetitions, including none.
     #[must_use]
     pub fn star(self) -> Self {
         let of = match self {
@@ -196,8 +196,8 @@ fn factor(flat: &mut Vec<Regex>) {
     }
 }
 
-/// Factors out a common prefix of two alternatives, or else a common suffix; `None` if there is
-/// neither.
+/// Factors out a common prefix of two alternatives or, if there is none, a common suffix. Returns
+/// `None` if there is neither.
 fn factor_pair(a: &Regex, b: &Regex) -> Option<Regex> {
     // Letters have no proper prefix or suffix.
     if matches!((a, b), (Regex::Letter(_), Regex::Letter(_))) {

@@ -71,8 +71,8 @@ impl Places {
                 let mut at = from;
                 for _ in 0..*low {
                     at = self.append(of, at)?;
-                    // A repetition of the empty word also takes a place, so that the limit applies
-                    // to every count.
+                    // Each repetition takes at least one place, even of the empty word, so that the
+                    // limit applies to every count.
                     let next = self.new_place()?;
                     self.from[at].push((Move::Empty, next));
                     at = next;

@@ -22,7 +22,8 @@ pub fn findings(
     findings
 }
 
-/// LW206: no plant can keep the assumptions, or they leave it no next step.
+/// LW206: no plant can keep the assumptions, or in some situations they leave the plant no next
+/// step.
 fn empty(
     specification: &Specification,
     span: Span,
@@ -76,7 +77,7 @@ fn forced(
     };
     let mut note = format!("it can do so from {}", share(found.forced_states));
     if found.forced_recklessly.is_some() {
-        note.push_str("; a machine that also breaks its guarantees, from ");
+        note.push_str("; a machine that also breaks its guarantees can do so from ");
         note.push_str(&share(found.forced_recklessly_states));
     }
     let message = format!(

@@ -1,4 +1,5 @@
-//! LW203: the guarantees that clash in an unrealizable contract, a play, and possible repairs.
+//! LW203: the guarantees that clash in an unrealizable contract, a play that the plant wins, and
+//! possible repairs.
 
 use super::{list, play};
 use crate::pipeline::Explanation;
@@ -80,7 +81,7 @@ pub fn finding(
     finding.with_help(help)
 }
 
-/// States that no further assumption makes the contract realizable, and why.
+/// Explains why no further assumption makes the contract realizable.
 fn note_on_contradiction(s: &Specification, advice: Option<&Advice>) -> String {
     let refs = advice
         .map(|a| a.contradiction.as_slice())
@@ -106,7 +107,8 @@ fn note_on_contradiction(s: &Specification, advice: Option<&Advice>) -> String {
     }
 }
 
-/// Names of the assumptions without which fewer guarantees would already clash.
+/// Names of the assumptions that matter: without any one of them, fewer guarantees would already
+/// clash.
 fn matters(s: &Specification, advice: Option<&Advice>) -> Vec<String> {
     let refs = advice.map(|a| a.matters.as_slice()).unwrap_or_default();
     let names = refs.iter().map(|a| a.formula(&s.assumptions).name.clone());
@@ -143,11 +145,11 @@ pub struct Suggestion {
     pub kind: Change,
     /// The line to write.
     pub text: String,
-    /// Name of the guarantee that it replaces.
+    /// Name of the guarantee that the new line replaces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replaces: Option<String>,
-    /// Share (0 to 1) of the combinations of values that it forbids the plant, or in which the
-    /// guarantee no longer has to hold.
+    /// Share (0 to 1) of the combinations of values: for a new assumption, those that it forbids
+    /// the plant; for a weakened guarantee, those in which it no longer has to hold.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub share: f64,
     /// The same share in words.
@@ -157,7 +159,7 @@ pub struct Suggestion {
 
 /// All suggested changes, assumptions first.
 ///
-/// For another tool's `format` they are in its notation, if it can express them.
+/// If a `format` is given, the lines are in the notation of that tool wherever it can express them.
 pub fn suggestions(s: &Specification, format: Option<Format>, advice: &Advice) -> Vec<Suggestion> {
     let assumed = advice.assumptions.iter().map(|a| assumption(s, format, a));
     let left_out = (!advice.leave_out.is_empty()).then(|| leave_out(s, &advice.leave_out));
@@ -230,8 +232,8 @@ fn weakening(s: &Specification, format: Option<Format>, weaker: &Weakening) -> S
     }
 }
 
-/// A formula as a statement of the file: in the notation of another tool's format if it can express
-/// the formula, otherwise in that of contracts.
+/// Writes a formula as a statement for the file: in the notation of `format` if that can express
+/// the formula, otherwise in the notation of contracts.
 fn statement(
     s: &Specification,
     format: Option<Format>,
@@ -283,7 +285,7 @@ fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
             (**a).clone().and(not(&rest)).implies((**b).clone())
         }
         whole => {
-            // `w or (u and not w)` is `w or u`.
+            // `w or (u and not w)` is the same as `w or u`.
             let against = negation(whole.clone());
             let rest = unless.conjuncts().into_iter().filter(|u| **u != against);
             match rest.cloned().reduce(Expr::and) {
@@ -316,7 +318,7 @@ fn operand_of_always(s: &Specification, expr: &Expr) -> String {
     }
 }
 
-/// `25 %`, `0.3 %`
+/// Formats a share as a percentage: `25 %`, `0.3 %`.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent >= 10.0 {
@@ -328,7 +330,8 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// Names, each once, of the assumptions without which fewer guarantees would already clash.
+/// Names of the assumptions that matter, each once: without any one of them, fewer guarantees would
+/// already clash.
 pub fn relevant_assumptions(s: &Specification, explained: &Explanation) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in matters(s, explained.advice.as_ref()) {

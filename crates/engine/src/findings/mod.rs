@@ -20,7 +20,7 @@ fn shown(specification: &Specification, situation: &PartialValuation) -> Option<
     (!values.is_empty()).then(|| values.join(", "))
 }
 
-/// `a`, `a` and `b`, `a`, `b` and `c`
+/// Joins names in words: `a`; `a and b`; `a, b and c`. Empty if there are no names.
 pub fn list(names: &[String]) -> String {
     match names {
         [] => String::new(),

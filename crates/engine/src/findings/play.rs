@@ -30,7 +30,8 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
     let rows = shown.iter().map(|v| {
         let variable = s.variable(*v);
         let cell = |(step, values): (usize, &Vec<i64>)| -> String {
-            // No answer is possible in this step.
+            // In the last step of a clash the machine has no possible answer, so its outputs have
+            // no values.
             let unknown = clash
                 && step == last
                 && variable.owner == Owner::System
@@ -150,8 +151,9 @@ fn ending(s: &Specification, play: &Play) -> String {
     }
 }
 
-/// Variables that the formulas, or the definitions of their auxiliary variables, mention; first
-/// those of the plant, then those of the machine, each in declaration order.
+/// Variables that the formulas mention, directly or through the definitions of auxiliary variables,
+/// which are left out themselves. The plant's variables come first, then the machine's, each in
+/// declaration order.
 pub fn mentioned<'f>(
     specification: &'f Specification,
     formulas: impl Iterator<Item = &'f Formula>,

@@ -165,8 +165,8 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
     findings
 }
 
-/// Suggests a guarantee by which an output keeps its value unless a condition holds under which a
-/// guarantee sets it.
+/// Suggests a guarantee by which an output keeps its value. The exceptions are the conditions under
+/// which the existing guarantees set the output.
 fn frame(s: &Specification, v: VarId) -> String {
     let name = &s.variable(v).name;
     let mut conditions: Vec<String> = Vec::new();

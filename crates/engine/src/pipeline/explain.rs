@@ -68,8 +68,8 @@ pub(super) fn explain(
 }
 
 impl Explanation {
-    /// Records that a limit stopped the explanation. Only time limits make it incomplete: other
-    /// limits give the same result in every run.
+    /// Records that a limit stopped the explanation. Only a deadline or an interrupt makes it
+    /// incomplete: other limits give the same result in every run.
     fn stopped(mut self, limit: Limit) -> Self {
         self.complete &= !matches!(limit, Limit::Stopped(_));
         self

@@ -14,7 +14,7 @@ use linewright_solver::game::{
 };
 use linewright_solver::mealy;
 
-/// Results about a contract before they are put into words.
+/// Results about a contract before they are converted to findings.
 #[derive(Debug, Clone)]
 pub(super) struct Analysis {
     pub(super) realizable: bool,
@@ -49,7 +49,7 @@ impl Analysis {
         }
     }
 
-    /// What is known about an unrealizable contract while its core is being searched.
+    /// What is known about an unrealizable contract while the search for its core is running.
     pub(super) fn without_core(solve: &Progress, specification: &Specification) -> Self {
         Self::new(Statistics::of_solver(&solve.statistics(), specification))
     }
@@ -72,7 +72,7 @@ impl Analysis {
         job.goal >= Goal::Small && job.format.is_none() && !is_vacuous
     }
 
-    /// Puts the results into words.
+    /// Converts the results to findings.
     pub(super) fn into_contract(self, job: &Job, examine: bool) -> CheckedContract {
         let specification = &*job.specification;
         let mut findings = Vec::new();

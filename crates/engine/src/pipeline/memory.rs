@@ -1,8 +1,9 @@
 //! Results of the previous run, for a program that checks repeatedly.
 //!
 //! A result is reused if the whole job is the same, including all source positions, so that its
-//! findings still point to the right place. For jobs that have moved, there is the
-//! [cache](crate::cache). Unlike the cache, the memory also holds jobs that were given up.
+//! findings still point to the right place. For contracts that have moved within their file, there
+//! is the [cache](crate::cache). Unlike the cache, the memory also holds the results of jobs that
+//! reached a limit.
 
 use super::{CheckedContract, Job};
 

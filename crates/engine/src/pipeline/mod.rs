@@ -80,11 +80,11 @@ pub struct CheckedContract {
     pub verdict: Verdict,
     /// Findings of all stages.
     pub findings: Vec<Diagnostic>,
-    /// For an unrealizable contract, names of the guarantees and assumptions that clash.
+    /// For an unrealizable contract, names of the guarantees that clash.
     pub core: Vec<String>,
     /// Findings about the environment of a realizable contract.
     pub environment: Option<EnvironmentFindings>,
-    /// Why the contract is unrealizable.
+    /// Why the contract is unrealizable; `None` if it is realizable, or if this was not examined.
     pub explanation: Option<Box<Explanation>>,
     /// The verified controller. A realizable contract has none if it was not requested, or if a
     /// limit was reached after the verdict, which is a finding.
@@ -101,7 +101,7 @@ pub struct CheckedContract {
     pub verdict_only: bool,
 }
 
-/// An internal error.
+/// An internal error: the verifier rejected a controller.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "the verifier rejected the controller synthesized for `{contract}` ({rule}); nothing was written"
@@ -112,7 +112,7 @@ pub struct InternalError {
 }
 
 impl InternalError {
-    /// Reports that the controller of a contract breaks a rule.
+    /// Creates the error for a contract whose controller breaks `rule`.
     pub fn new(specification: &Specification, rule: String) -> Self {
         Self {
             contract: specification.name.clone(),
@@ -158,8 +158,8 @@ pub struct Job {
     /// Whether the controller must be a machine of any size, even if functions are acceptable for
     /// the other jobs.
     pub explicit: bool,
-    /// The format, if the specification comes from another tool's file; then superfluous formulas
-    /// are not reported.
+    /// For a specification from another tool's file: the file's format. Formulas that demand less
+    /// than they seem to are then not reported.
     format: Option<Format>,
     /// If assumptions were added to those in the file, the specification without them; findings
     /// about assumptions refer to it.
@@ -174,9 +174,9 @@ pub struct Job {
 pub enum Goal {
     /// Only decide whether there is a controller.
     Answer,
-    /// Also find the guarantees that clash if there is none, and examine the environment of small
-    /// games. Nothing is extracted or verified: for specifications whose controller was not
-    /// requested, which may be far larger than a contract.
+    /// Also find the guarantees that clash if there is no controller, and examine the environment
+    /// of small games. No controller is extracted or verified. This is the goal for specifications
+    /// whose controller was not requested, since they can be far larger than a contract.
     Verdict,
     /// Also extract and verify a controller if the game is small. The solver defines what is small,
     /// independently of time.
@@ -206,9 +206,9 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// Creates an empty list whose jobs also examine the environments of realizable contracts, and
-    /// search for formulas that demand less than they seem to (LW205, LW206, LW208). `build` and
-    /// `run` skip this, since it changes no controller.
+    /// Creates an empty job list. Jobs added to it also examine the environments of realizable
+    /// contracts, and search for formulas that demand less than they seem to (LW205, LW206, LW208).
+    /// `build` and `run` skip these checks, since they change no controller.
     pub fn examining() -> Self {
         Self {
             examine: true,
@@ -222,7 +222,8 @@ impl Jobs {
         Self { extraction, ..self }
     }
 
-    /// Sets whether to compute why each realizable contract is realizable.
+    /// Sets whether to compute, for each realizable contract, the ranking that shows why it is
+    /// realizable.
     #[must_use]
     pub fn with_ranking(self, rank: bool) -> Self {
         Self { rank, ..self }
@@ -240,8 +241,8 @@ impl Jobs {
         index
     }
 
-    /// Adds a job; returns its index. An equal job that may extract a controller is reused, with
-    /// the further of both goals.
+    /// Adds a job; returns its index. An equal job whose goal is at least [`Goal::Small`] is
+    /// reused, with the more demanding of the two goals.
     pub fn add_for(&mut self, goal: Goal, specification: &Arc<Specification>, span: Span) -> usize {
         let equal = |job: &Job| {
             job.goal >= Goal::Small

@@ -1,4 +1,4 @@
-//! Takes one contract through the pipeline, from the cache or by solving it.
+//! Runs the pipeline for one contract: takes the result from the cache, or solves the contract.
 
 use super::explain::explain;
 use super::known::{Analysis, gave_up};
@@ -42,7 +42,8 @@ impl Task {
                 Completion::Done(Err(error)) => return Err(error),
                 Completion::Done(Ok(Ok(known))) => known.into_contract(&job, examine),
                 Completion::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
-                // In this phase, the contract is known to be unrealizable; its core is searched.
+                // In this phase, the contract is known to be unrealizable; only the search for its
+                // core was still running.
                 Completion::Abandoned(_, None) if solve.phase() == Phase::Core => {
                     Analysis::without_core(&solve, &job.specification).into_contract(&job, examine)
                 }
@@ -63,7 +64,7 @@ impl Task {
 
     /// Solves the specification, extracts its controller, and verifies it; also searches for
     /// formulas that demand less than they seem to. Intermediate results are passed to `report`,
-    /// first of all the verdict.
+    /// beginning with the verdict.
     fn check(&self, report: &dyn Fn(Analysis)) -> Result<Result<Analysis, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let heuristics: Vec<Heuristic> = Heuristic::ALL
@@ -103,7 +104,8 @@ impl Task {
         Ok(known)
     }
 
-    /// Decides the specifications of the inquiries, to show what another tool would answer.
+    /// Solves the specifications of the inquiries, to show what another tool would answer. For each
+    /// inquiry, `None` if a limit was reached first.
     fn answers(&self) -> Result<Vec<Option<Vec<bool>>>, InternalError> {
         let answer = |question: &Specification| -> Result<Option<bool>, InternalError> {
             let task = Self {
@@ -135,8 +137,9 @@ impl Task {
         self.job.goal.extracts(large)
     }
 
-    /// Requested properties of the controller. Even a small game can have a large machine; if the
-    /// controller is not needed itself, functions show its existence equally well.
+    /// Requested properties of the controller. Even a small game can have a large machine. If the
+    /// controller itself is not needed, functions are acceptable, since they show equally well that
+    /// a controller exists.
     fn extraction_options(&self) -> ExtractionOptions {
         ExtractionOptions {
             functions: !self.job.explicit
@@ -280,8 +283,8 @@ impl Task {
         game::solve_with(&self.job.specification, &options)
     }
 
-    /// Restores an entry, reduced to what would be known without it. `None` if the entry is
-    /// incomplete.
+    /// Restores the results in a cache entry, reduced to those that this job would compute without
+    /// the cache. `None` if the entry lacks one of them.
     fn recall(&self, entry: Entry) -> Option<Analysis> {
         let large = entry.statistics.large;
         let extracts = entry.realizable && self.extracts(large);
@@ -328,13 +331,14 @@ impl Task {
             peak_nodes: entry.peak_nodes,
             statistics,
         };
-        // The entry may come from another tool's file, for which less was examined.
+        // The entry can come from another tool's file, for which less was examined.
         let is_sufficient =
             known.examined == ExaminationDepth::Whole || !known.reports_shape(&self.job);
         (is_sufficient || !examines).then_some(known)
     }
 
-    /// The entry to store. `None` if a time or memory limit affected the result.
+    /// The entry to store. `None` if a time or memory limit affected the result, or if its findings
+    /// are only about the assumptions in the file.
     fn entry(&self, known: &Analysis) -> Option<Entry> {
         let (extracted, machine, functions) = match &known.controller {
             Controller::NotRequested => (false, None, None),

@@ -137,7 +137,7 @@ pub(super) fn parse(line: &str) -> Result<Command, String> {
     }
 }
 
-/// Removes a comment, which `#` starts at the beginning of a line and after a space.
+/// Removes a comment: it begins with a `#` at the start of the line or after a space.
 fn without_comment(line: &str) -> &str {
     let mut blank = true;
     for (at, c) in line.char_indices() {

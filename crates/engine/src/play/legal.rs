@@ -2,7 +2,7 @@
 //!
 //! Evaluates the specification's own formulas, never a controller. Known values of the step are
 //! substituted into the formulas. Moves are then searched variable by variable; a branch is cut as
-//! soon as interval arithmetic shows that a formula is false. The search gives up after a maximum
+//! soon as interval arithmetic shows that a formula is false. The search stops after a maximum
 //! number of tries.
 
 use linewright_core::gr1::interval::{Interval, interval};
@@ -27,7 +27,9 @@ pub(super) struct Moves<'a> {
     specification: &'a Specification,
     /// Rules that a move must satisfy.
     pub rules: Vec<Rule<'a>>,
-    /// Rules for leaving the step. A move that violates them is legal, but no step can follow it.
+    /// Rules for leaving the step: parts of safety formulas that mention only the step itself, and
+    /// that must hold before another step can follow. A move that violates one of them is legal,
+    /// but no step can follow it.
     pub leaving: Vec<Rule<'a>>,
     /// Variables whose values are not known yet, each with the value to try first.
     open: Vec<(VarId, i64)>,
@@ -40,7 +42,7 @@ pub(super) struct EnumerationLimit;
 /// Values of variables.
 pub(super) type Values = Vec<(VarId, i64)>;
 
-/// Visits a move; may stop the search.
+/// Visits a move, and decides whether the search continues.
 type Visit<'v> = dyn FnMut(&[(VarId, i64)]) -> ControlFlow<()> + 'v;
 
 impl<'a> Moves<'a> {
@@ -91,7 +93,8 @@ impl<'a> Moves<'a> {
             })
         });
         let leaving: Vec<Rule<'a>> = leaving.filter(|r| r.residual != Expr::TRUE).collect();
-        // The side's own variables come first; for the other side's, any possible value suffices.
+        // The side's own variables come first; for those of the other side, any possible value
+        // suffices.
         let all = (0..specification.variables.len() as u32).map(VarId);
         let (own, other): (Vec<VarId>, Vec<VarId>) =
             all.partition(|v| specification.variable(*v).owner == side);
@@ -130,8 +133,8 @@ impl<'a> Moves<'a> {
             .collect()
     }
 
-    /// A legal move with these values that violates no rule for leaving the step; if there is none,
-    /// any legal move.
+    /// A legal move with the values `fixed` that another step can follow; if there is none, any
+    /// legal move with these values. `None` if no such move is legal.
     pub fn find_with_successor(
         &self,
         fixed: &[(VarId, i64)],
@@ -174,7 +177,8 @@ impl<'a> Moves<'a> {
         Ok(found)
     }
 
-    /// All legal moves, as values of the variables that matter. `visit` may stop the search.
+    /// Calls `visit` for each legal move, given as values of the variables that matter, until
+    /// `visit` stops the search.
     pub fn each(&self, visit: &mut Visit<'_>) -> Result<(), EnumerationLimit> {
         let open = self.open.iter().copied();
         let matter: Values = open.filter(|(v, _)| self.matters(*v)).collect();
@@ -275,7 +279,8 @@ fn conditions_of_leaving(expr: &Expr) -> Vec<&Expr> {
     }
 }
 
-/// The formula with a next value substituted; `None` if the formula does not mention the variable.
+/// The formula with a value substituted for a variable; `None` if the formula does not mention the
+/// variable.
 fn substitute(left: &Expr, variable: VarId, value: i64) -> Option<Expr> {
     mentions(left, variable).then(|| {
         let known = left.substitute(&mut |v, time| {

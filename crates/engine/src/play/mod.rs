@@ -1,4 +1,4 @@
-//! Plays a contract step by step: a person has one side, a verified machine the other.
+//! Plays a contract step by step: a person plays one side, a verified machine the other.
 //!
 //! In a realizable contract the person is the plant, and the controller answers. In an unrealizable
 //! one the person is the machine, and the counterstrategy plays the plant. The contract's rules

@@ -20,7 +20,7 @@ pub struct Session<'a> {
     pub(super) steps: Vec<Vec<i64>>,
     /// Positions of the opponent: before each step, and the current one.
     positions: Vec<Position>,
-    /// Values of the last refused move, until the next move.
+    /// Values of the last refused move; `None` if a move was made since then.
     refused: Option<Values>,
     /// State of the random number generator.
     random_state: u64,
@@ -270,7 +270,8 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Text with the opponent's values in the upcoming step; empty if it does not move first.
+    /// Text with the opponent's values in the upcoming step; empty if the opponent does not move
+    /// first.
     fn first_values_text(&self) -> String {
         let given = self.first_values().unwrap_or_default();
         if given.is_empty() {
@@ -386,8 +387,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Message that no step can follow a legal move because of these rules, some of which are rules
-    /// for leaving the step.
+    /// Explains that a move is legal, but that these rules prevent any step from following it. Some
+    /// of them are rules for leaving the step.
     fn explain_last_move(
         &self,
         moves: &Moves<'_>,
@@ -410,11 +411,11 @@ impl<'a> Session<'a> {
         )
     }
 
-    /// Consequence of a move that no step can follow.
+    /// The consequence of a move that no step can follow, as a phrase without a subject.
     pub(super) fn consequence_of_last_move(&self) -> &'static str {
         match self.person() {
             Owner::System => "loses",
-            Owner::Environment => "gives up the assumptions",
+            Owner::Environment => "leads to a broken assumption",
         }
     }
 

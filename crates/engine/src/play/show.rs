@@ -102,7 +102,8 @@ pub(super) fn first_values(session: &Session<'_>, given: &[(VarId, i64)]) -> Str
     format!("step {}\n{line}", session.steps.len())
 }
 
-/// The last step as JSON, with the opponent's values in the upcoming step if it moves first.
+/// The last step as JSON, with the values of the upcoming step that the opponent has already set if
+/// it moves first.
 pub(super) fn step_object(session: &Session<'_>, over: Option<&str>) -> Value {
     let step = session.steps.last().map_or(&[][..], Vec::as_slice);
     let side = |side: Owner| {
@@ -142,7 +143,7 @@ fn object(session: &Session<'_>, values: &[(VarId, i64)]) -> Value {
     Value::Object(object)
 }
 
-/// The introduction as JSON, with the opponent's values in step 0 if it moves first.
+/// The introduction as JSON, with the opponent's values in step 0 if the opponent moves first.
 pub(super) fn opening_object(session: &Session<'_>) -> Value {
     let mut line = json!({
         "schema": SCHEMA,
@@ -282,7 +283,7 @@ pub(super) fn moves(session: &Session<'_>) -> String {
                     );
                     match session.person() {
                         Owner::System => "  (loses)",
-                        Owner::Environment => "  (gives up)",
+                        Owner::Environment => "  (leads to a broken assumption)",
                     }
                 };
                 let _ = writeln!(text, "  {}{mark}", listed(specification, values));
@@ -333,7 +334,7 @@ fn values_of(session: &Session<'_>, v: VarId) -> String {
     }
     let mut ranges: Vec<(i64, i64)> = Vec::new();
     for value in domain.low()..=domain.high() {
-        // A value whose check takes too long is listed.
+        // A value that takes too long to check is listed, too.
         if matches!(moves.find(&[(v, value)]), Ok(None)) {
             continue;
         }

@@ -22,7 +22,8 @@ pub(super) fn named_internals(specification: &Specification) -> Vec<VarId> {
         .collect()
 }
 
-/// Resolves the values of a move of `side`; with `None`, of variables of either side, by name only.
+/// Resolves the names and values of a move of `side`. If `side` is `None`, the variables of both
+/// sides are accepted, but only with their names.
 pub(super) fn resolve(
     specification: &Specification,
     side: Option<Owner>,

@@ -31,8 +31,8 @@ pub(super) fn verdict<'a, 'm>(
     verdict_under(moves, moves.rules.iter(), fixed)
 }
 
-/// Like [`verdict`], but also with the rules for leaving the step: decides whether a step can
-/// follow.
+/// Like [`verdict`], but also applies the rules for leaving the step: decides whether another step
+/// can follow the move.
 pub(super) fn verdict_of_leaving<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
@@ -115,7 +115,7 @@ impl<'a> RulePrinter<'a> {
     fn rule(&self, formula: &Formula, before: Option<&[i64]>, known: &[Option<i64>]) -> String {
         let mut now = Values::new();
         let mut given = Values::new();
-        // A safety formula without next values binds the step that is left.
+        // A safety formula without next values restricts the step that is left.
         let follows = formula.expr.mentions_next() || self.is_safety(formula);
         formula.expr.for_each_var(&mut |v, time| {
             let now_is_before = follows && time == Time::Now;

@@ -52,7 +52,8 @@ impl Reader {
         })
     }
 
-    /// The elements of an array define in row-major order; reports a wrong number of elements.
+    /// The elements of an array define in row-major order. If their number is wrong, reports this
+    /// and returns `None`.
     fn elements<'d>(&mut self, define: &'d Define, sizes: &[i64]) -> Option<Vec<&'d Node>> {
         let mut level = vec![&define.value];
         for size in sizes {
@@ -121,7 +122,8 @@ impl Reader {
         None
     }
 
-    /// The values of the indices, with their ranges; reports an index outside the array.
+    /// The values of the indices, each with its smallest and largest value. If one can be outside
+    /// the array, reports this and returns `None`.
     fn indices(&mut self, sizes: &[i64], nodes: &[Node]) -> Option<Vec<(Value, i64, i64)>> {
         let mut found = Vec::new();
         for (node, size) in nodes.iter().zip(sizes) {
@@ -154,8 +156,8 @@ impl Reader {
 
     /// The element that the indices select, as a chain of conditionals.
     ///
-    /// `place` is the row-major position from the dimensions before; `element` returns the element
-    /// at a position.
+    /// `place` is the row-major position that the indices of the earlier dimensions give; `element`
+    /// returns the element at a position.
     fn choose(
         &mut self,
         sizes: &[i64],
@@ -209,7 +211,7 @@ impl Reader {
         Some(Value::chain(op, values))
     }
 
-    /// The binding of an argument that is a whole array.
+    /// The binding of an argument that is a whole array; `None` for other arguments.
     pub fn whole_array(&mut self, node: &Node) -> Option<Binding> {
         let super::syntax::Shape::Name(name, indices) = &node.shape else {
             return None;
@@ -232,7 +234,7 @@ impl Reader {
     }
 }
 
-/// The constant with a value of a domain.
+/// The constant `value`, with the type of `domain`.
 pub(super) fn constant(domain: &linewright_core::gr1::Domain, value: i64) -> Value {
     Value::leaf(Expr::Const(value), super::types::kind_of(domain))
 }

@@ -1,8 +1,9 @@
 //! Encodes automata over the steps of a run in variables, for triggers and published patterns.
 //!
 //! An [`Automaton`] reads truth values in each step. Its state is an internal variable of the
-//! system. The steps before step t determine its value in step t, so the system has no choice. The
-//! justice assumption or guarantee is that an accepting state is visited infinitely often.
+//! system. The steps before step t determine the state in step t, so the system has no choice. The
+//! automaton becomes a justice assumption or guarantee: an accepting state is visited infinitely
+//! often.
 
 use super::reader::Reader;
 use super::value::{Kind, Value};
@@ -10,8 +11,9 @@ use linewright_automata::symbolic::{Automaton, Decision, MAX_CONDITIONS, MAX_STA
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Formula, Owner};
 use linewright_core::source::Span;
+use std::ops::Range;
 
-/// The next state, with `atoms` as the values of the conditions.
+/// The next state as an expression; `atoms` are the values of the conditions.
 fn value(decision: &Decision, atoms: &[Value]) -> Value {
     match decision {
         Decision::To(state) => Value::int(*state as i64),
@@ -19,6 +21,26 @@ fn value(decision: &Decision, atoms: &[Value]) -> Value {
             Value::choose(atoms[*atom].clone(), value(yes, atoms), value(no, atoms))
         }
     }
+}
+
+/// The next state if the current state is in `among`, by binary search: a chain of as many choices
+/// as there are states would nest too deeply.
+fn next_state(
+    current: &Value,
+    automaton: &Automaton,
+    among: Range<usize>,
+    atoms: &[Value],
+) -> Value {
+    if among.len() == 1 {
+        return value(&automaton.steps[among.start], atoms);
+    }
+    let middle = among.start.midpoint(among.end);
+    let is_lower = Value::binary(BinaryOp::Lt, current.clone(), Value::int(middle as i64));
+    Value::choose(
+        is_lower,
+        next_state(current, automaton, among.start..middle, atoms),
+        next_state(current, automaton, middle..among.end, atoms),
+    )
 }
 
 impl Reader {
@@ -42,14 +64,9 @@ impl Reader {
         };
         let name = self.fresh(stem);
         let state = self.variables(&name, Owner::System, true, (domain, Vec::new()), span)?;
-        let is = |s: usize| {
-            let state = Value::leaf(Expr::now(state.first), Kind::Int);
-            Value::binary(BinaryOp::Eq, state, Value::int(s as i64))
-        };
-        let mut update = value(&automaton.steps[count - 1], atoms);
-        for s in (0..count - 1).rev() {
-            update = Value::choose(is(s), value(&automaton.steps[s], atoms), update);
-        }
+        let current = Value::leaf(Expr::now(state.first), Kind::Int);
+        let is = |s: usize| Value::binary(BinaryOp::Eq, current.clone(), Value::int(s as i64));
+        let update = next_state(&current, automaton, 0..count, atoms);
         let update = self.check_size(update, span)?;
         self.check_finished(&update.expr, update.size, span)?;
         let accepted: Vec<Value> = (0..count)

@@ -1,7 +1,8 @@
 //! Comparisons: equality, and the order of enumerations.
 //!
-//! Values of enumerations are equal if their names are. As in Spectra's tool, two variables of
-//! enumerations can be compared by size, in the order in which their values are declared.
+//! Two values of enumerations are equal if they have the same name. As in Spectra's tool, two
+//! variables of enumerations can be compared by size; the order is that in which their values are
+//! declared.
 
 use super::reader::Reader;
 use super::syntax::Node;
@@ -80,7 +81,8 @@ impl Reader {
                 let index = Value::int(index as i64);
                 return Some(Value::binary(BinaryOp::Eq, variable, index));
             }
-            // An enumeration of numbers with gaps.
+            // If an enumeration consists of numbers with gaps, its labels are compared with the
+            // number.
             (Kind::Labels(labels), Kind::Int) | (Kind::Int, Kind::Labels(labels)) => {
                 let (variable, number) = if a.kind == Kind::Int {
                     (&b, &a)

@@ -71,7 +71,7 @@ impl Reader {
         self.add(Owner::System, TemporalForm::Transition, step);
     }
 
-    /// The disjunction of the valid formulas; `None` if there is none.
+    /// The disjunction of `nodes`, without those that are invalid; `None` if none is left.
     fn any(&mut self, nodes: &[Node]) -> Option<Value> {
         let values: Vec<Value> = nodes.iter().filter_map(|n| self.truth(n)).collect();
         (!values.is_empty()).then(|| Value::chain(BinaryOp::Or, values))

@@ -2,9 +2,10 @@
 //!
 //! Maoz and Ringert (GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015) translated the
 //! patterns of Dwyer, Avrunin and Corbett (Patterns in Property Specifications for Finite-State
-//! Verification, ICSE 1999) to automata that visit an accepting state infinitely often if the
-//! formula holds. Names, parameters and formulas here are theirs; [`ltl`] builds the automata from
-//! the formulas. As in their translation, a safety pattern is also expressed by justice only.
+//! Verification, ICSE 1999) to automata. An automaton visits an accepting state infinitely often if
+//! and only if the formula of its pattern holds. Names, parameters and formulas are those of Maoz
+//! and Ringert; [`ltl`] builds the automata from the formulas. As in their translation, a safety
+//! pattern is also expressed by justice only.
 
 use linewright_automata::ltl::{self, Formula, Formulas, Node};
 use linewright_automata::symbolic::Automaton;
@@ -253,8 +254,8 @@ pub static PATTERNS: [PublishedPattern; 56] = [
 ];
 
 impl PublishedPattern {
-    /// The automaton over the parameters; `None` if it is too large, which no pattern of the table
-    /// is.
+    /// The automaton over the parameters; `None` if it is too large. No pattern of the table is too
+    /// large.
     pub(super) fn automaton(&self) -> Option<Automaton> {
         let mut reader = Letters {
             parameters: self.parameters,
@@ -266,7 +267,8 @@ impl PublishedPattern {
     }
 }
 
-/// Recursive-descent parser for the formulas of the table; `None` for a syntax error.
+/// Recursive-descent parser for the formulas of the table. Its methods return `None` for a syntax
+/// error.
 struct Letters {
     parameters: &'static str,
     rest: &'static [u8],

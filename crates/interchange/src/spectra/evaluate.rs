@@ -20,7 +20,7 @@ impl Reader {
         value.and_then(|v| self.check_size(v, node.span))
     }
 
-    /// The value of a formula; reports one that is not a truth value.
+    /// The value of a formula. If it is not a truth value, reports this and returns `None`.
     pub fn truth(&mut self, node: &Node) -> Option<Value> {
         let value = self.value(node)?;
         self.expect_kind(&value, &Kind::Bool, node.span)?;
@@ -140,7 +140,7 @@ impl Reader {
             _ => Kind::Int,
         };
         for (value, span) in values.iter().zip(&spans) {
-            // `xor` and `|` can occur in the same chain.
+            // Check every operand, because a chain can mix `xor` and `|`.
             self.expect_kind(value, &kind, *span)?;
         }
         if matches!(op, B::And | B::Or | B::Add) && rest.iter().all(|(o, _)| *o == op) {
@@ -222,7 +222,8 @@ impl Reader {
         self.defined_element(define, indices, span)
     }
 
-    /// Expands a definition in an empty frame; reports a circular definition.
+    /// Expands a definition in an empty frame. If the definition is circular, reports this and
+    /// returns `None`.
     pub fn expanded<T>(
         &mut self,
         name: &Name,

@@ -1,7 +1,8 @@
 //! Initial conditions that a side cannot ensure in the first step.
 //!
-//! Spectra's type checker rejects these in a formula itself, but not in the definitions that it
-//! uses. Such conditions have this meaning:
+//! Spectra's type checker rejects a formula that directly refers to what the side cannot control,
+//! but accepts the reference in a definition that the formula uses. Then the condition has this
+//! meaning:
 //!
 //! | | |
 //! |---|---|
@@ -19,8 +20,8 @@ use std::collections::BTreeSet;
 const MAX_VALUES: u64 = 1 << 12;
 
 impl Reader {
-    /// An initial condition over two steps as a transition formula that applies to the first step
-    /// only.
+    /// Turns an initial condition about the first two steps into a transition formula that applies
+    /// to the first transition only.
     pub fn first_transition(&mut self, expr: Expr) -> Expr {
         let origin = self.origin.clone();
         let finding = Diagnostic::warning(
@@ -33,7 +34,8 @@ impl Reader {
         self.monitors.previous(&Expr::TRUE, &origin).or(expr)
     }
 
-    /// An initial assumption with the system's variables eliminated: some values satisfy it.
+    /// Eliminates the system's variables from an initial assumption. The result requires that some
+    /// values of these variables satisfy the assumption.
     ///
     /// `None` if the assumption itself refers to a variable of the system that is not a monitor or
     /// counter, or if the result is too large.

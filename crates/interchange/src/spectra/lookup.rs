@@ -33,7 +33,7 @@ impl Reader {
         })
     }
 
-    /// The type with a name at a location: the file's own declaration, or the first imported one.
+    /// The type called `name` at a location: the file's own declaration, or the first imported one.
     pub fn declared_type(&self, name: &str, at: Span) -> Option<&Rc<TypeName>> {
         let own = self.scopes.get(&at.file)?.types.get(name);
         let found = own.or_else(|| self.imported(at).find_map(|scope| scope.types.get(name)));

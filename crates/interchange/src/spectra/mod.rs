@@ -1,8 +1,8 @@
 //! Reads the whole Spectra language (Maoz, Ringert: Spectra: a specification language for reactive
 //! systems, Software and Systems Modeling 2021).
 //!
-//! Its meaning is strict GR(1) with Mealy timing. Other constructs than variables and formulas are
-//! lowered by these modules:
+//! Its meaning is strict GR(1) with Mealy timing. These modules lower the constructs other than
+//! variables and formulas:
 //!
 //! | construct | module |
 //! |---|---|
@@ -75,7 +75,7 @@ pub(super) fn read(
         .map(|n| n.text.clone());
     let length = files.iter().map(|s| s.text.len()).sum();
     let mut reader = Reader::new(name, file, length, taken.collect());
-    // After a syntax error, undeclared names are not reported: their declarations may be
+    // After a syntax error, undeclared names are not reported, because their declarations might be
     // unreadable.
     let broken = has_errors(&findings);
     reader.findings = findings;
@@ -126,8 +126,8 @@ impl Reader {
         }
     }
 
-    /// Declares a type. A second declaration is a note if it is the same, otherwise an error;
-    /// Spectra silently uses the first one.
+    /// Declares a type. A second declaration of a name causes a note if it is the same, otherwise
+    /// an error, because Spectra silently uses the first one.
     fn declare_type(&mut self, name: &Name, of: &TypeName, text: &str) {
         let scope = self.scopes.entry(name.span.file).or_default();
         let Some((known, first)) = scope.types.get(&name.text) else {
@@ -233,7 +233,7 @@ impl Reader {
         }
     }
 
-    /// Records a file's imports, and the names in it that importing files cannot use.
+    /// Records a file's imports, and the names of the file that importing files cannot use.
     fn imports(&mut self, source: &Source) {
         let local = source.declarations.iter().filter_map(import::state_name);
         let scope = self.scopes.entry(source.file).or_default();

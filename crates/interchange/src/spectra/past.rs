@@ -9,8 +9,8 @@
 //! | `p SINCE q` | q in some step k up to t, and p in all steps after k up to t |
 //! | `p TRIGGERED q` | not (not p SINCE not q) |
 //!
-//! The operand of `PREV` can refer to the next step, which is then the current step. If the
-//! operand also refers to its own step, each of its variables is remembered.
+//! The operand of `PREV` can refer to its next step, which is the current step of `PREV`. If the
+//! operand also refers to its own step, a monitor remembers each variable that it mentions there.
 
 use super::reader::Reader;
 use super::syntax::{Node, Past, SinceOp};
@@ -35,7 +35,7 @@ impl Reader {
         Some(Value::of(expr, Kind::Bool))
     }
 
-    /// `PREV p` for a formula `p` about two steps.
+    /// The value of `PREV p` for a formula `p` that refers to its own step and to the next one.
     fn previous_transition(&mut self, expr: &Expr) -> Value {
         let origin = self.origin.clone();
         let started = self.monitors.previous(&Expr::TRUE, &origin);
@@ -98,7 +98,7 @@ impl Reader {
             codes::PAST,
             span,
             "the operand of a past operator refers to the next step, perhaps through a define",
-            "refer to the current step: `ONCE` of that has the same value, one step later",
+            "refer to the current step only: the past operator then has the same value one step later",
         );
         None
     }

@@ -1,7 +1,7 @@
 //! Predicates: `predicate free(Int(0..3) room): !occupied[room];`, used as `free(2)`.
 //!
 //! Arguments are substituted by value. A value is an expression, so `next(free(r))` refers to next
-//! values within the argument too.
+//! values in the argument `r`, too.
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;

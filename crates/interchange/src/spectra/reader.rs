@@ -12,16 +12,17 @@ use linewright_core::source::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// First variable id of the monitors of past formulas, until all variables are known.
+/// Temporary id of the first monitor of a past formula. The final ids follow those of all other
+/// variables, whose number is not known while the file is read.
 const FIRST_MONITOR: u32 = 1 << 28;
 /// Maximum number of operators and operands of an expanded formula.
 const MAX_SIZE: u64 = 1 << 18;
 /// Maximum depth of an expanded formula.
 const MAX_DEPTH: u32 = 400;
-/// Maximum number of operators and operands in all formulas of an empty file; 8 are added for each
-/// byte.
+/// Maximum number of operators and operands in all formulas of an empty file. Each byte of a file
+/// adds 8.
 const MIN_BUDGET: u64 = 4 << 20;
-/// Additional cost of each formula.
+/// Cost of each formula in the budget, in addition to its size.
 const FORMULA: u64 = 16;
 /// Maximum nesting depth of formulas, including those of expanded definitions.
 const MAX_EXPANSION: u32 = 400;
@@ -75,7 +76,8 @@ pub(super) struct Reader {
     budget: u64,
     exhausted: bool,
     guessed: usize,
-    /// Findings so far, since an error in a definition occurs at each of its uses.
+    /// Findings reported so far, so that an error in a definition is reported only once although it
+    /// occurs at each use.
     shown: BTreeSet<(Span, &'static str, String)>,
     noted: BTreeSet<String>,
 }
@@ -142,7 +144,8 @@ impl Reader {
         }
     }
 
-    /// Adds a variable, or all variables of an array; reports too many variables.
+    /// Adds a variable, or all variables of an array. If there are too many variables, reports this
+    /// and returns `None`.
     pub fn variables(
         &mut self,
         name: &str,
@@ -270,7 +273,8 @@ impl Reader {
         self.depth -= 1;
     }
 
-    /// Takes `work` from the file's budget; the first time it is exhausted, reports it.
+    /// Takes `work` from the file's budget. If the budget is exhausted, returns `None`, and reports
+    /// this the first time.
     pub fn spend(&mut self, work: u64, span: Span) -> Option<()> {
         if work <= self.budget && !self.exhausted {
             self.budget -= work;
@@ -292,7 +296,7 @@ impl Reader {
         );
     }
 
-    /// The value; reports one that is too large or too deep.
+    /// Returns `value`. If it is too large or too deep, reports this and returns `None`.
     pub fn check_size(&mut self, value: Value, span: Span) -> Option<Value> {
         if value.size > MAX_SIZE {
             self.too_large(
@@ -341,7 +345,7 @@ impl Reader {
         Interval::of(&self.variable(v).domain)
     }
 
-    /// The variable with an id, which can be that of a monitor.
+    /// The variable with an id, or the monitor's variable if the id is that of a monitor.
     pub fn variable(&self, v: VarId) -> &Variable {
         match self.monitors.get(v) {
             Some(monitor) => &monitor.variable,
@@ -349,7 +353,7 @@ impl Reader {
         }
     }
 
-    /// Adds the monitors to the specification; returns it with the findings.
+    /// Adds the monitors to the specification. Returns the specification and the findings.
     pub fn finish(mut self) -> (Specification, Vec<Diagnostic>) {
         self.monitors.define(&mut self.specification.guarantees);
         let shift = FIRST_MONITOR - self.specification.variables.len() as u32;

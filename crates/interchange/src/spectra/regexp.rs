@@ -2,17 +2,17 @@
 
 use super::reader::Reader;
 use super::scope::Symbol;
-use super::syntax::{Name, Regexp, RegexpShape};
+use super::syntax::{Name, Regexp, RegexpOp, RegexpShape};
 use super::value::Value;
 use linewright_automata::derivative::ExtendedRegex as Re;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::Expr;
 
-/// Maximum number of parts of expanded repetitions.
+/// Maximum number of parts of a regular expression, with its repetitions expanded.
 const MAX_PARTS: u64 = 4000;
 
 impl Reader {
-    /// Lowers a regular expression; its conditions are added to `atoms`.
+    /// Lowers a regular expression, and adds its conditions to `atoms`.
     pub fn regexp(&mut self, regexp: &Regexp, atoms: &mut Vec<Value>) -> Option<Re> {
         self.down(regexp.span)?;
         let mut parts = 0;
@@ -28,6 +28,10 @@ impl Reader {
         parts: &mut u64,
     ) -> Option<Re> {
         *parts += 1;
+        if *parts > MAX_PARTS {
+            self.too_many_states(regexp.span);
+            return None;
+        }
         self.down(regexp.span)?;
         let found = self.regexp_shape(regexp, atoms, parts);
         self.up();
@@ -40,17 +44,24 @@ impl Reader {
         atoms: &mut Vec<Value>,
         parts: &mut u64,
     ) -> Option<Re> {
-        let mut two = |reader: &mut Self, a: &Regexp, b: &Regexp| {
-            let a = reader.regexp_part(a, atoms, parts);
-            let b = reader.regexp_part(b, atoms, parts);
-            Some((a?, b?))
-        };
         match &regexp.shape {
             RegexpShape::Empty => Some(Re::Empty),
             RegexpShape::Constant(value) => Some(if *value { Re::Any } else { Re::Never }),
-            RegexpShape::Sequence(a, b) => two(self, a, b).map(|(a, b)| a.then(b)),
-            RegexpShape::And(a, b) => two(self, a, b).map(|(a, b)| Re::and([a, b])),
-            RegexpShape::Or(a, b) => two(self, a, b).map(|(a, b)| Re::or([a, b])),
+            RegexpShape::Chain(first, others) => {
+                let mut found = self.regexp_part(first, atoms, parts);
+                for (op, other) in others {
+                    let other = self.regexp_part(other, atoms, parts);
+                    if *parts > MAX_PARTS {
+                        return None;
+                    }
+                    found = found.zip(other).map(|(a, b)| match op {
+                        RegexpOp::Then => a.then(b),
+                        RegexpOp::And => Re::and([a, b]),
+                        RegexpOp::Or => Re::or([a, b]),
+                    });
+                }
+                found
+            }
             RegexpShape::Complement(inner) => Some(self.regexp_part(inner, atoms, parts)?.not()),
             RegexpShape::Step(node) => {
                 let value = self.truth(node)?;

@@ -46,7 +46,7 @@ pub(super) struct Scope {
     pub imports: Vec<Target>,
 }
 
-/// A scope with the published patterns.
+/// The scope that contains the published patterns.
 pub(super) fn published() -> Scope {
     let symbol = |p: &'static PublishedPattern| (Symbol::Published(p), Span::default());
     let symbols = dwyer::PATTERNS

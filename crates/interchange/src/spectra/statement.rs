@@ -116,8 +116,8 @@ impl Reader {
         }
     }
 
-    /// Lowers a formula, a pattern or a regular expression, also below `forall`. A pattern
-    /// determines itself when it has to hold, so `G` before it has no effect.
+    /// Lowers a formula, a pattern or a regular expression, also under `forall`. A pattern itself
+    /// determines when it has to hold, so `G` before it has no effect.
     fn clause(&mut self, side: Owner, clause: &Clause, node: &Node) -> Option<()> {
         let plain = !clause.explicit
             || matches!(clause.when, TemporalForm::Transition | TemporalForm::Always);
@@ -199,7 +199,8 @@ impl Reader {
             return;
         };
         let line = one_line(text_of(text, span));
-        // The place of the formulas is the range: a variable within a formula counts as generated.
+        // The formulas are located at the counter's range, because an internal variable that is
+        // declared within the span of a formula counts as generated.
         let range = counter.low.span.to(counter.high.span);
         self.set_origin(counter.name.text.clone(), range, line);
         self.counter(counter, &cells);
@@ -237,7 +238,8 @@ impl Reader {
             {
                 expr = left;
             }
-            // A condition on the system's variables is evaluated after the system's answer.
+            // If an assumption refers to the system's variables, it is evaluated after the system's
+            // answer.
             let kind = if kind == Kind::Invariant && self.mentioned_output(&expr, None).is_some() {
                 Kind::Safety
             } else {
@@ -265,7 +267,8 @@ impl Reader {
         }
     }
 
-    /// Whether an assumption constrains only values that the environment chooses; reports others.
+    /// Whether an assumption constrains only values that the environment chooses. Reports an
+    /// assumption that does not.
     fn can_be_assumed(&mut self, obligation: &Obligation) -> bool {
         let when = match obligation.kind {
             Kind::Initial => None,
@@ -295,7 +298,8 @@ impl Reader {
         false
     }
 
-    /// A variable of the system that `expr` mentions, at the time `at` or at any time.
+    /// A variable of the system that `expr` mentions at the time `at`, or at any time if `at` is
+    /// `None`.
     ///
     /// Monitors of past formulas count only with their next values.
     fn mentioned_output(&self, expr: &Expr, at: Option<Time>) -> Option<VarId> {

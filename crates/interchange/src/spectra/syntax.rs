@@ -102,6 +102,16 @@ pub(super) struct Regexp {
     pub span: Span,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum RegexpOp {
+    /// Concatenation, which has no sign.
+    Then,
+    /// `&`
+    And,
+    /// `|`
+    Or,
+}
+
 #[derive(Debug, Clone)]
 pub(super) enum RegexpShape {
     /// `()`
@@ -112,9 +122,8 @@ pub(super) enum RegexpShape {
     Step(Box<Node>),
     Named(String),
     Complement(Box<Regexp>),
-    Sequence(Box<Regexp>, Box<Regexp>),
-    And(Box<Regexp>, Box<Regexp>),
-    Or(Box<Regexp>, Box<Regexp>),
+    /// An operand, and further operators with their operands, which group from the left.
+    Chain(Box<Regexp>, Vec<(RegexpOp, Regexp)>),
     /// `r* r+ r? r{n} r{n,} r{n,m}`; the upper number is `None` if it is unbounded.
     Repeat(Box<Regexp>, Box<Node>, Option<Box<Node>>),
 }
@@ -135,7 +144,7 @@ pub(super) enum TemporalForm {
 #[derive(Debug, Clone)]
 pub(super) struct Clause {
     pub when: TemporalForm,
-    /// Whether the temporal operator is written.
+    /// Whether the temporal operator is written in the file.
     pub explicit: bool,
     pub node: Node,
     /// Location including the operator.

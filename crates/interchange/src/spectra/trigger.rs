@@ -8,7 +8,7 @@
 //! 2. Read the following steps until they match e, which has to happen eventually. Then continue
 //!    with 1 in the step after.
 //!
-//! If r matches the empty word, 1 reads no step. If e does, the trigger always holds.
+//! If r matches the empty word, part 1 reads no step. If e matches it, the trigger always holds.
 //! `GF regexp(r)` is `trig true* |=> true* r`: infinitely often some steps match r. `G regexp(r)`
 //! is `trig true* |=> r`: the run is a sequence of matches of r.
 
@@ -75,7 +75,7 @@ impl Reader {
     }
 }
 
-/// The automaton of a trigger, with the states of `from`, then those of `to`; `None` if the trigger
+/// The automaton of a trigger: the states of `from`, then those of `to`. `None` if the trigger
 /// always holds.
 fn trigger_automaton(from: &Automaton, to: &Automaton) -> Option<Automaton> {
     if to.accepting[0] || from.accepting.iter().all(|a| !a) {

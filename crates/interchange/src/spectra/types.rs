@@ -9,12 +9,12 @@ use linewright_core::source::Span;
 
 /// Maximum number of values of a domain, the same as in contracts.
 const MAX_DOMAIN: i64 = 1 << 20;
-/// Maximum length of a chain of types that are defined by each other.
+/// Maximum length of a chain of types, each defined by the next.
 const MAX_ALIASES: usize = 64;
 
 impl Reader {
-    /// The domain of a type, and the sizes of its array, the outermost first; reports an invalid
-    /// type.
+    /// The domain of a type, and the sizes of its array, the outermost first. If the type is
+    /// invalid, reports this and returns `None`.
     pub fn domain(&mut self, of: &TypeName) -> Option<(Domain, Vec<i64>)> {
         let mut sizes = Vec::new();
         let (mut at, mut declared) = (of.clone(), None);
@@ -76,7 +76,8 @@ impl Reader {
         None
     }
 
-    /// The domain of an enumeration; a range if the values are consecutive numbers.
+    /// The domain of an enumeration. It is a range of numbers if the values are consecutive
+    /// numbers.
     fn enumeration(&mut self, name: Option<String>, labels: &[Name]) -> Option<Domain> {
         for (index, label) in labels.iter().enumerate() {
             if let Some(first) = labels[..index].iter().find(|l| l.text == label.text) {
@@ -106,7 +107,8 @@ impl Reader {
         })
     }
 
-    /// The value of a constant number; reports other formulas.
+    /// The value of a constant number. If the formula is anything else, reports this and returns
+    /// `None`.
     pub fn number(&mut self, node: &Node) -> Option<i64> {
         let value = self.value(node)?;
         if let (Kind::Int, Some(number)) = (&value.kind, value.constant()) {

@@ -67,7 +67,7 @@ impl Value {
         Self::leaf(Expr::Const(value), Kind::Int)
     }
 
-    /// Wraps an expression; takes time linear in its size.
+    /// Measures and wraps an expression, which takes time linear in its size.
     pub fn of(expr: Expr, kind: Kind) -> Self {
         let (size, depth) = measure(&expr);
         Self {
@@ -116,7 +116,7 @@ impl Value {
         }
     }
 
-    /// `if c then a else b`, of the kind of `a`.
+    /// `if c then a else b`; its kind is that of `a`.
     pub fn choose(c: Self, a: Self, b: Self) -> Self {
         Self {
             size: (c.size.saturating_add(a.size)).saturating_add(b.size) + 1,

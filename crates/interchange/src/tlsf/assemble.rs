@@ -5,7 +5,8 @@ use super::meaning::Sides;
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, Timing, VarId, Variable};
 use linewright_core::source::Span;
 
-/// The specification, and the same with the file's own assumptions only, if it has others.
+/// The specification, and a copy with only the file's own assumptions; `None` if there are no
+/// others.
 pub(super) fn specifications(
     name: &str,
     timing: Timing,

@@ -99,7 +99,7 @@ pub(super) struct Definition {
     pub parameter: bool,
 }
 
-/// A value of an enumeration, with its codes; a bit of a code is `None` if it can be 0 or 1.
+/// A value of an enumeration, with its codes. A bit of a code is `None` if it can be either 0 or 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Label {
     pub name: String,
@@ -163,7 +163,7 @@ pub(super) struct Semantics {
 #[derive(Debug, Default)]
 pub(super) struct File {
     pub semantics: Option<Semantics>,
-    /// Whether the semantics is one of finite runs, which is refused.
+    /// Whether the semantics is that of finite runs, which is refused.
     pub finite: bool,
     /// Whether the target is a Moore machine; `None` without a TARGET.
     pub target: Option<bool>,

@@ -27,7 +27,8 @@ const MAX_VARIABLES: usize = 12;
 pub(super) struct Automaton {
     /// The conditions on a step.
     letters: Vec<Expr>,
-    /// The possible combinations of letters, as bits; they form the alphabet of `dfa`.
+    /// The combinations of letters that can occur, each as a set of bits. They form the alphabet of
+    /// `dfa`.
     possible: Vec<u32>,
     dfa: Dfa,
 }
@@ -40,7 +41,7 @@ struct Builder {
 }
 
 /// The automaton of a safety formula; `None` if it is too large. `state` returns the expression of
-/// a formula about one step.
+/// a formula about a single step.
 pub(super) fn of(
     formulas: &Formulas,
     f: FormulaId,
@@ -183,9 +184,10 @@ impl Automaton {
         self.dfa.state_count()
     }
 
-    /// An expression over the current state and the letters, whose value is `of` the next state.
+    /// An expression over the current state and the letters. Its value is `of` applied to the next
+    /// state, or to `None` after a violation.
     ///
-    /// `now` returns a test of the current state. The next state is `None` after a violation.
+    /// `now` returns the expression that is true in a given state.
     pub fn by_state(&self, now: &dyn Fn(usize) -> Expr, of: &dyn Fn(Option<u32>) -> i64) -> Expr {
         let rows: Vec<Expr> = (0..self.state_count() as u32)
             .map(|s| {
@@ -207,7 +209,8 @@ impl Automaton {
         result.simplify()
     }
 
-    /// A decision tree over the letters from `from` on; impossible combinations are don't-cares.
+    /// A decision tree over the letters with index `from` and higher. Impossible combinations are
+    /// don't-cares.
     fn decision_tree(&self, row: &[(u32, i64)], from: usize) -> Expr {
         let value = row.first().map_or(0, |r| r.1);
         if row.iter().all(|r| r.1 == value) || from >= self.letters.len() {

@@ -43,7 +43,8 @@ impl Meaning<'_, '_, '_> {
             let ahead = self.classifier.formulas.ahead(found.at);
             let lasting = ahead.is_none_or(|n| n > 1);
             match &found.piece {
-                // Under ASSERT, the formula would end with a violation of REQUIRE.
+                // The formula cannot be moved to ASSERT, because there a violation of REQUIRE would
+                // end it.
                 _ if lasting && self.strict && required => {
                     self.misplaced(found, "PRESET", "ASSERT or GUARANTEE");
                 }
@@ -63,7 +64,9 @@ impl Meaning<'_, '_, '_> {
 
     /// Moves formulas of INITIALLY and PRESET about more than the first step to other sections.
     ///
-    /// `I -> P & (A -> B)` is equivalent to `(I -> P) & (I & A -> B)`, and without A to `P & B`.
+    /// If the formulas I of INITIALLY move to ASSUME, a formula P of PRESET becomes `I -> P`,
+    /// because `I -> P & (A -> B)` is equivalent to `(I -> P) & (I & A -> B)`. If there are no
+    /// assumptions, PRESET formulas about the long run move to GUARANTEE.
     pub(super) fn move_lasting_formulas(&mut self, mut conjuncts: Vec<Conjunct>) -> Vec<Conjunct> {
         let formulas = &mut *self.classifier.formulas;
         let variables = self.variables;

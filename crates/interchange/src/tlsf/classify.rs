@@ -7,7 +7,7 @@
 //! | `W`, `R`, `G`, `X` in any nesting | an invariant over the state of an [automaton](super::automaton) |
 //! | `G F a` | justice |
 //! | `F a` | justice of "a held once" |
-//! | `G (a -> X X F b)` | justice of "no request is unanswered"; answers that can come earlier use `F b = b \| X F b` |
+//! | `G (a -> X X F b)` | justice of "no request is unanswered"; answers that can come earlier are expanded with `F b = b \| X F b` |
 //! | negation of a safety formula, `F (a & X (b U c))` | justice of "the safety formula is violated" |
 //! | `a U b` | `a W b` and `F b` |
 //! | `F G a` | persistence, allowed only in some positions |
@@ -53,7 +53,8 @@ pub(super) struct Classifier<'f> {
     pub broken: VarId,
     /// Index of the first monitor's variable.
     pub first: u32,
-    /// State variables of the existing automata, by the automata's debug texts.
+    /// State variables of the automata that already exist, each with the debug text of its
+    /// automaton as the key.
     pub state_variables: BTreeMap<String, Expr>,
     /// Whether a negation is being classified, which prevents a second negation.
     in_negation: bool,
@@ -84,7 +85,7 @@ impl<'f> Classifier<'f> {
         }
     }
 
-    /// The piece of a part; see [`Formulas::parts`].
+    /// Classifies a part of a formula; [`Formulas::parts`] splits formulas into parts.
     pub fn piece(&mut self, f: FormulaId) -> Result<Piece, Refusal> {
         match self.direct(f) {
             Err(refusal) => (self.co_safety(f))
@@ -122,7 +123,7 @@ impl<'f> Classifier<'f> {
                 return Err(Refusal {
                     at: f,
                     why: "this formula needs a monitor that is too large".to_owned(),
-                    help: "split it into several formulas, or remember in an output what it depends on".to_owned(),
+                    help: "split it into several formulas, or add an output that remembers what it depends on".to_owned(),
                 });
             }
         }
@@ -164,15 +165,16 @@ impl<'f> Classifier<'f> {
         }
     }
 
-    /// A formula about finitely many steps, evaluated after its last step; its value in the first
-    /// steps is irrelevant.
+    /// The expression of a formula about finitely many steps, evaluated in its last step; `None`
+    /// for other formulas. Used only for justice, where the value in the first steps does not
+    /// matter.
     fn past_expr(&mut self, f: FormulaId) -> Option<Expr> {
-        // Justice formulas can refer to the current and the next step directly.
+        // One step less is enough, because justice formulas can refer to the next step directly.
         let ahead = self.formulas.ahead(f)?.max(1) - 1;
         Some(self.expr_at(f, i64::from(ahead))?.simplify())
     }
 
-    /// The piece of `G (a | X X F b)`: each step without a is answered by b at least two steps
+    /// The piece of `G (a | X X F b)`: each step without a is followed by b, at least two steps
     /// later.
     fn response(&mut self, body: FormulaId, from: u32) -> Result<Piece, Refusal> {
         let list = match self.formulas.op(body).clone() {
@@ -225,7 +227,8 @@ impl<'f> Classifier<'f> {
         Ok(Piece::Recurrent(balanced(BinaryOp::And, parts)))
     }
 
-    /// The piece of a co-safety formula: its negation is safety and has to be violated eventually.
+    /// The piece of a co-safety formula. Its negation is a safety formula, which has to be violated
+    /// eventually.
     fn co_safety(&mut self, f: FormulaId) -> Option<Piece> {
         let denial = self.formulas.positive(f, true);
         if !self.formulas.is_safety(denial) {

@@ -169,8 +169,8 @@ pub(super) fn signals<'f>(
     Some(variables)
 }
 
-/// Formulas that restrict a bus of an enumeration to valid codes: under REQUIRE for inputs, under
-/// ASSERT for outputs.
+/// Formulas that restrict each bus of an enumeration type to valid codes. They belong to REQUIRE
+/// for inputs and to ASSERT for outputs.
 pub(super) fn enumeration_formulas<'f>(
     file: &'f File,
     expander: &mut Expander<'f, '_>,
@@ -190,7 +190,7 @@ pub(super) fn enumeration_formulas<'f>(
             .iter()
             .flat_map(|l| l.codes.clone())
             .collect();
-        // Codes do not overlap, so they cover all bit patterns exactly if their counts add up.
+        // Codes do not overlap, so they cover all bit patterns if and only if their counts add up.
         let free = |code: &Vec<Option<bool>>| code.iter().filter(|b| b.is_none()).count();
         let power = |bits: usize| 1_u128.checked_shl(u32::try_from(bits).unwrap_or(u32::MAX));
         let covered = codes

@@ -59,7 +59,7 @@ impl Parser<'_, '_> {
                             quoted(&label),
                             code.len()
                         ),
-                        "give all values of an enumeration codes of the same length",
+                        "all values of an enumeration need codes of the same length",
                     );
                     return None;
                 }

@@ -46,7 +46,7 @@ pub(super) fn formula(found: &LocatedPiece, expr: &Expr) -> Formula {
     }
 }
 
-/// Removes pieces that are constantly true, and makes constantly false pieces justice.
+/// Removes pieces that are constantly true, and turns constantly false pieces into justice.
 pub(super) fn normalize_constants(list: &mut Vec<LocatedPiece>) {
     let constant = |f: &LocatedPiece| match f.piece {
         Piece::Initial(Expr::Const(value)) | Piece::Invariant(Expr::Const(value)) => Some(value),
@@ -60,7 +60,7 @@ pub(super) fn normalize_constants(list: &mut Vec<LocatedPiece>) {
     }
 }
 
-/// Removes the conditions of pairs that are justice assumptions anyway.
+/// Removes a condition from a pair if the condition is also a justice assumption.
 pub(super) fn drop_assumed_conditions(
     require: &[LocatedPiece],
     assume: &[LocatedPiece],

@@ -125,7 +125,7 @@ fn comment(text: &str, start: usize, report: &mut Report) -> usize {
     text.len()
 }
 
-/// The text in one line, without comments.
+/// The text on one line, without comments.
 pub(super) fn one_line(text: &str) -> String {
     let mut silent = Report::silent();
     let tokens = words(text, &mut silent);

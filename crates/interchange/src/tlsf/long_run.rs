@@ -1,5 +1,5 @@
-//! Builds temporal operators with equivalences that move subformulas about the long run out of
-//! their scope.
+//! Builds temporal formulas. Equivalences move subformulas about the long run out of the scope of
+//! temporal operators.
 //!
 //! `L` is a formula about the long run: `G F a`, `F G a`, or a combination of these with `&` and
 //! `|`. It holds in a step exactly if it holds in any later step, so temporal operators do not
@@ -40,7 +40,8 @@ impl Formulas {
         }
     }
 
-    /// The operands about the long run, and the others; `None` if no operand is about the long run.
+    /// Splits operands into those about the long run and the others; `None` if no operand is about
+    /// the long run.
     fn split_list(&self, list: &[FormulaId]) -> Option<(Vec<FormulaId>, Vec<FormulaId>)> {
         let (long, rest): (Vec<FormulaId>, Vec<FormulaId>) =
             list.iter().partition(|g| self.is_long_run(**g));

@@ -41,7 +41,7 @@ pub(super) enum Op {
 pub(super) struct Place {
     pub start: u32,
     pub end: u32,
-    /// Index into the sites; 0 for none.
+    /// Index into the expansion sites; 0 if the formula was not expanded from a call.
     pub site: u32,
 }
 
@@ -65,7 +65,8 @@ struct Node {
     place: Place,
     size: u64,
     depth: u32,
-    /// How many steps ahead it looks, if no other temporal operator than `X` is in it.
+    /// Number of steps that the formula looks ahead; `None` if it contains a temporal operator
+    /// other than `X`.
     ahead: Option<u32>,
 }
 
@@ -87,12 +88,13 @@ impl Formulas {
         self.nodes[f.0 as usize].place
     }
 
-    /// How many steps ahead it looks, if no other temporal operator than `X` is in it.
+    /// Number of steps that the formula looks ahead; `None` if it contains a temporal operator
+    /// other than `X`.
     pub fn ahead(&self, f: FormulaId) -> Option<u32> {
         self.nodes[f.0 as usize].ahead
     }
 
-    /// Whether the formula is about one step.
+    /// Whether the formula is about a single step.
     pub fn is_state(&self, f: FormulaId) -> bool {
         self.ahead(f) == Some(0)
     }
@@ -232,7 +234,7 @@ impl Formulas {
             ahead: if full { Some(0) } else { ahead },
         };
         self.too_large |= full;
-        // After the limit, the last node is reused, to bound the memory.
+        // Once the limit is reached, the last node is reused, to bound the memory.
         if self.nodes.len() > MAX_NODES {
             return FormulaId(self.nodes.len() as u32 - 1);
         }

@@ -13,24 +13,25 @@
 //!
 //! A [`Specification`] is strict: the system has to keep its safety guarantees as long as the
 //! environment has kept its safety assumptions. With a plain implication, the system can break a
-//! safety guarantee as soon as the environment is forced to break an assumption later. Therefore
-//! guarantees that depend on assumptions are encoded as
+//! safety guarantee first, if the environment is then forced to break an assumption later.
+//! Therefore guarantees that depend on assumptions are encoded as
 //!
 //! ```text
-//! safety   guarantee | broken'     an internal variable records the violation,
-//!          broken -> broken'       for ever,
-//! justice  !broken                 which loses unless an assumption is broken.
+//! safety   guarantee | broken'     the internal variable `broken` records a violation
+//!          broken -> broken'       and then stays true,
+//! justice  !broken                 so the system loses unless an assumption is broken.
 //! ```
 //!
 //! This encoding is not needed if all assumptions are about step 0, nor for PRESET and strict
 //! ASSERT. PRESET and strict ASSERT have to be kept even in the step in which the environment
-//! breaks an assumption. If the file has them, assumptions take effect one step later: `R` becomes
-//! a condition on the environment's next move. Then "in each transition, the environment keeps all
-//! R of this step, or the system keeps all S of this step" is exactly `S W !R`, as long as R and S
-//! look no further than the next step.
+//! breaks an assumption. If the file has either of them, assumptions take effect one step later:
+//! `R` becomes a condition on the environment's next move. Then "in each transition, the
+//! environment keeps all R of this step, or the system keeps all S of this step" is exactly
+//! `S W !R`, as long as R and S look no further than the next step.
 //!
-//! A PRESET formula about all steps holds even after a violated assumption. If the file has one,
-//! each safety assumption becomes the justice assumption that it has been kept so far.
+//! A PRESET formula about all steps has to hold even after an assumption was violated. If the file
+//! has one, each safety assumption becomes a justice assumption: the environment has kept it so
+//! far.
 
 use super::ast::Section;
 use super::classify::{Classifier, Piece, Refusal};
@@ -55,14 +56,16 @@ pub(super) struct Meaning<'c, 'f, 'r> {
     pub moved_to_preset: bool,
 }
 
-/// Reasons for which a violated assumption takes effect later than in its own step.
+/// Why the violation of an assumption takes effect later than in the step of the violation.
 #[derive(Debug, Clone, Copy)]
 struct DelayReasons {
-    /// Some guarantee about a single step has to be kept in that step.
+    /// Some guarantee about a single step has to hold even if an assumption is violated in that
+    /// step.
     same_step: bool,
-    /// Some guarantee about a step and the next one has to be kept in that step.
+    /// Some guarantee about a step and the next one has to hold even if an assumption is violated
+    /// in one of the two.
     first_move: bool,
-    /// The violation excuses no safety guarantee.
+    /// The violation excuses the system from justice guarantees only.
     justice_only: bool,
 }
 
@@ -95,7 +98,7 @@ impl Meaning<'_, '_, '_> {
     }
 
     pub(super) fn is_output(&self, v: VarId) -> bool {
-        // Monitors are outputs.
+        // Monitors are not in `variables`; they are outputs.
         self.variables
             .get(v.index())
             .is_none_or(|v| v.owner == Owner::System)
@@ -127,7 +130,7 @@ impl Meaning<'_, '_, '_> {
             guarantees: Side::default(),
             unchanged: Side::default(),
         };
-        // PRESET formulas about more than the first step hold without the assumptions too.
+        // PRESET formulas about more than the first step have to hold without the assumptions, too.
         let strict = self.strict;
         let formulas = &*self.classifier.formulas;
         let further = |f: &LocatedPiece| formulas.ahead(f.at).is_none_or(|n| n > u32::from(strict));
@@ -151,7 +154,7 @@ impl Meaning<'_, '_, '_> {
         let soft_safety = soft.iter().any(|f| is_safety(&f.piece));
         // Guarantees that have to be kept even in the step in which an assumption is broken.
         let same_step = !preset.is_empty() || (assumed && !hard.is_empty());
-        // A PRESET formula that was moved by a step also concerns the environment's first move.
+        // A PRESET formula about a transition also concerns the environment's first move.
         let first_move = preset.iter().any(|f| matches!(f.piece, Piece::Step(_)));
         if self.strict && assumed && !assert.is_empty() {
             self.check_strict(&require, &assert);
@@ -159,7 +162,7 @@ impl Meaning<'_, '_, '_> {
 
         let mut excused = Vec::new();
         for found in require.iter().chain(&assume) {
-            // With strict semantics, only a violation of REQUIRE ends ASSERT.
+            // With strict semantics, only a violation of REQUIRE releases the system from ASSERT.
             let justice_only =
                 lasting_preset || (self.strict && !assert.is_empty() && !is_in(&require, found));
             let when = DelayReasons {
@@ -206,8 +209,8 @@ impl Meaning<'_, '_, '_> {
         }
     }
 
-    /// Reports formulas of `S W !R` that look further than the next step, for strict semantics with
-    /// assumptions.
+    /// For strict semantics with assumptions, reports the formulas of REQUIRE and ASSERT that look
+    /// further than the next step, because `S W !R` has no equivalent for them.
     fn check_strict(&mut self, require: &[LocatedPiece], assert: &[LocatedPiece]) {
         let mut wrong = Vec::new();
         for found in require.iter().chain(assert) {
@@ -225,7 +228,7 @@ impl Meaning<'_, '_, '_> {
             self.refuse(&Refusal {
                 at,
                 why: "with strict semantics this formula is required until the environment breaks REQUIRE, but it looks further than the next step".to_owned(),
-                help: "move it to GUARANTEE or ASSUME, under `G`: `S W !R` with such a formula has no equivalent here".to_owned(),
+                help: "move it to GUARANTEE or ASSUME and write `G` before it: `S W !R` with such a formula has no equivalent here".to_owned(),
             });
         }
     }
@@ -258,7 +261,7 @@ impl Meaning<'_, '_, '_> {
                     side.justice.push(formula(found, &kept));
                 }
             }
-            // The assumption takes effect one move after the first one.
+            // The assumption takes effect in the move after the environment's next one.
             piece @ (Piece::Initial(_) | Piece::Invariant(_)) if when.first_move => {
                 if let Some(e) = self.classifier.past(piece) {
                     let e = self.classifier.previous_step(&e);
@@ -364,7 +367,7 @@ fn keep(found: &LocatedPiece, late: bool, released: &[Expr], sides: &mut Sides) 
         // With assumptions beyond step 0, only constant formulas are left here.
         Piece::Initial(e) if late => side.safety.push(formula(found, &unless(e))),
         Piece::Initial(e) => side.initial.push(formula(found, e)),
-        // A violation of REQUIRE in this step is checked first.
+        // As a transition formula, it does not apply if REQUIRE is violated in the same step.
         Piece::Invariant(e) if late => side.safety.push(formula(found, &unless(e))),
         Piece::Invariant(e) => side.invariants.push(formula(found, e)),
         Piece::Step(e) => side.safety.push(formula(found, &unless(e))),

@@ -58,7 +58,8 @@ pub(super) use operators::is_reserved;
 use report::Report;
 use std::collections::BTreeMap;
 
-/// The specification, and the same with the file's own assumptions only, if it has others.
+/// The specification, and a copy with only the file's own assumptions; `None` if there are no
+/// others.
 type Read = (Specification, Option<Specification>);
 
 fn empty(name: &str) -> Specification {
@@ -77,7 +78,7 @@ pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnosti
     let tokens = lexer::words(text, &mut report);
     let tree = parser::Parser::new(text, &tokens, &mut report).file();
     if tree.finite {
-        // Syntax errors can come from operators of finite runs, such as `X[!]`.
+        // Drop syntax errors, because operators of finite runs, such as `X[!]`, can cause them.
         report.findings.retain(|f| f.code == codes::NOT_GR1);
     }
     if has_errors(&report.findings) {
@@ -165,8 +166,8 @@ fn lower_file(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
     is_within_limits(&specification, report).then_some((specification, own))
 }
 
-/// Whether all formulas are small enough for later stages, which traverse them recursively; reports
-/// those that are not.
+/// Whether all formulas are small enough for later stages, which traverse them recursively. Reports
+/// each formula that is not.
 fn is_within_limits(specification: &Specification, report: &mut Report) -> bool {
     let sides = [&specification.assumptions, &specification.guarantees];
     let mut within = true;
@@ -188,7 +189,8 @@ fn is_within_limits(specification: &Specification, report: &mut Report) -> bool 
     within
 }
 
-/// Depth of an expression; the recursion is as deep, on this reader's stack.
+/// Depth of an expression. The recursion is as deep as the expression, on this reader's large
+/// stack.
 fn depth(e: &linewright_core::gr1::Expr) -> u32 {
     use linewright_core::gr1::Expr;
     1 + match e {

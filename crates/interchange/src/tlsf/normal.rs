@@ -13,17 +13,17 @@
 
 use super::ltl::{FormulaId, Formulas, Op};
 
-/// Maximum number of parts from pulling conjunctions out of a disjunction.
+/// Maximum number of parts when conjunctions are pulled out of a disjunction.
 const MAX_PARTS: usize = 1024;
 
 impl Formulas {
-    /// The formula, or its negation, with negations only before formulas about finitely many steps.
-    /// The recursion is as deep as the formula.
+    /// The formula, or its negation if `negated`, with negations only before formulas about
+    /// finitely many steps. The recursion is as deep as the formula.
     pub fn positive(&mut self, f: FormulaId, negated: bool) -> FormulaId {
         if self.ahead(f).is_some() {
             return if negated { self.not(f) } else { f };
         }
-        // `a <-> b` needs each operand and its negation twice.
+        // Look up known results, because `a <-> b` needs each operand and its negation twice.
         if let Some(known) = self.positives.get(&(f, negated)) {
             return *known;
         }
@@ -126,7 +126,8 @@ impl Formulas {
             Op::And(list) => list.into_iter().flat_map(|a| self.parts(a)).collect(),
             Op::Globally(a) => {
                 let parts = self.parts(a);
-                // Keep the location of `G`, unless there are several conjuncts to tell apart.
+                // The result has the location of `G`, unless there are several conjuncts,
+                // which need different locations.
                 if let [part] = parts.as_slice() {
                     return vec![self.globally(*part, place)];
                 }

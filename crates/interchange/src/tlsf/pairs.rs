@@ -9,7 +9,8 @@ use linewright_core::gr1::{Expr, Formula};
 impl Meaning<'_, '_, '_> {
     /// The conditions of guarantees of the form `G F a -> G F b`, as justice assumptions.
     ///
-    /// Reports guarantees with different conditions, with which the file is outside GR(1).
+    /// All guarantees must have the same conditions. Reports those that differ, because the file is
+    /// outside GR(1) then.
     pub(super) fn pairs(
         &mut self,
         assert: &[LocatedPiece],
@@ -75,12 +76,12 @@ fn for_ever(at: FormulaId) -> Refusal {
     Refusal {
         at,
         why: "this guarantee has the form `F G` (from some step on for ever), which is outside GR(1)".to_owned(),
-        help: "let an output signal when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
+        help: "add an output `settled` that signals when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
     }
 }
 
 fn pair(found: &LocatedPiece, why: &str) -> Refusal {
-    // `F G a | F G b` is a pair with the result false: `G F !a & G F !b -> false`.
+    // `F G a | F G b` is a pair whose result is false: `G F !a & G F !b -> false`.
     if let Piece::Pair(when, Expr::Const(0)) = &found.piece {
         return for_ever(when.first().map_or(found.at, |w| w.0));
     }
@@ -90,7 +91,7 @@ fn pair(found: &LocatedPiece, why: &str) -> Refusal {
     };
     Refusal {
         at,
-        why: format!("a guarantee depends on this happening infinitely often, but {why}: a Streett pair outside GR(1)"),
+        why: format!("a guarantee depends on this happening infinitely often, but {why}: this is a Streett pair, which is outside GR(1)"),
         help: "put the condition under ASSUME, if all guarantees can depend on it: GR(1) is one implication, from all assumptions `G F a` to all guarantees `G F b`".to_owned(),
     }
 }

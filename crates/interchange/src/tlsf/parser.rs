@@ -45,7 +45,8 @@ impl<'t, 'r> Parser<'t, 'r> {
         found
     }
 
-    /// Consumes `word` and returns its end; reports another token.
+    /// Consumes `word` and returns its end. If the next token is not `word`, reports this and
+    /// returns `None`.
     pub fn expect(&mut self, word: &str) -> Option<usize> {
         if self.take(word) {
             return Some(self.tokens[self.at - 1].range.end);
@@ -106,7 +107,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         found
     }
 
-    /// Skips past the next `;` of this block, or to the brace that ends it.
+    /// Skips to the token after the next `;` of this block, or to the brace that ends the block.
     pub(super) fn recover(&mut self) {
         let mut open = 0_usize;
         while let Some(word) = self.peek() {

@@ -14,7 +14,7 @@ impl Meaning<'_, '_, '_> {
     /// Splits conjunctions and implications at the top level.
     ///
     /// `H & (A -> B)` becomes H under PRESET, A under ASSUME and B under GUARANTEE. If there is an
-    /// H, it has to be safety, and the file must have no other assumptions.
+    /// H, H has to be a safety formula, and the file must have no other assumptions.
     pub(super) fn flatten(&mut self, conjuncts: Vec<Conjunct>) -> Vec<Conjunct> {
         let mut conjuncts = self.split(conjuncts);
         loop {
@@ -113,7 +113,7 @@ impl Meaning<'_, '_, '_> {
         found
     }
 
-    /// The conjuncts of a formula, in the sense of its section: REQUIRE and ASSERT imply `G`.
+    /// The conjuncts of a formula. Formulas of REQUIRE and ASSERT implicitly begin with `G`.
     pub(super) fn parts(&mut self, conjunct: &Conjunct, section: Section) -> Vec<FormulaId> {
         let formulas = &mut *self.classifier.formulas;
         let place = formulas.place(conjunct.formula);

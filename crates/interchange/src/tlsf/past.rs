@@ -9,8 +9,8 @@ use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
 use std::collections::BTreeMap;
 
 impl Classifier<'_> {
-    /// The expression of a formula about one step; `None` for others. The recursion is as deep as
-    /// the formula.
+    /// The expression of a formula about a single step; `None` for other formulas. The recursion is
+    /// as deep as the formula.
     pub fn state(formulas: &Formulas, f: FormulaId) -> Option<Expr> {
         let of = |g: &FormulaId| Self::state(formulas, *g);
         let all = |list: &[FormulaId]| list.iter().map(of).collect::<Option<Vec<Expr>>>();
@@ -27,7 +27,7 @@ impl Classifier<'_> {
         })
     }
 
-    /// Whether at least this many steps precede the current one.
+    /// The condition that at least `steps` steps precede the current one.
     pub fn started(&mut self, steps: u32) -> Expr {
         (0..steps).fold(Expr::TRUE, |e, _| self.before(&e))
     }
@@ -35,14 +35,15 @@ impl Classifier<'_> {
     fn before(&mut self, e: &Expr) -> Expr {
         let origin = self.origin.clone();
         match e.simplify() {
-            // A monitor's value in step 0 is false.
+            // The constant false needs no monitor, because a monitor is false in step 0, too, and
+            // so would never be true.
             Expr::Const(0) => Expr::FALSE,
             e => self.monitors.previous(&e, &origin),
         }
     }
 
-    /// A formula about finitely many steps, evaluated `back` steps ago, with next values for `back`
-    /// of -1; `None` for other formulas.
+    /// The expression of a formula about finitely many steps, evaluated `back` steps ago. If `back`
+    /// is -1, it refers to next values. `None` for other formulas.
     pub fn expr_at(&mut self, f: FormulaId, back: i64) -> Option<Expr> {
         if self.formulas.is_state(f) {
             let e = Self::state(self.formulas, f)?.simplify();
@@ -69,7 +70,8 @@ impl Classifier<'_> {
         list.iter().map(|a| self.expr_at(*a, back)).collect()
     }
 
-    /// A transition formula as a condition on the current and the previous step; true in step 0.
+    /// Rewrites a transition formula as a condition on the previous and the current step. It is
+    /// true in step 0.
     pub fn transition_to_past(&mut self, e: &Expr) -> Expr {
         let mut moved = BTreeMap::new();
         e.for_each_var(&mut |v, time| {
@@ -113,25 +115,25 @@ impl Classifier<'_> {
         })
     }
 
-    /// Whether `e` has held in every step so far, including the current one.
+    /// The condition that `e` has held in every step so far, including the current one.
     pub fn kept(&mut self, e: &Expr) -> Expr {
         let origin = self.origin.clone();
         self.monitors.historically(e, &origin)
     }
 
-    /// Whether `e` held in the previous step; true in step 0.
+    /// The condition that `e` held in the previous step; true in step 0.
     pub fn previous_step(&mut self, e: &Expr) -> Expr {
         let held = self.before(e);
         self.started(1).implies(held).simplify()
     }
 
-    /// Whether this is not the first step.
+    /// The condition that this is not the first step.
     pub fn not_first(&mut self) -> Expr {
         self.started(1)
     }
 
-    /// An invariant that holds as long as a safety formula is not violated; `None` if its automaton
-    /// is too large.
+    /// An invariant that holds until a safety formula is violated; `None` if the formula's
+    /// automaton is too large.
     pub fn safety_monitor(&mut self, f: FormulaId) -> Option<Expr> {
         let automaton = {
             let formulas = &*self.formulas;
@@ -174,10 +176,11 @@ impl Classifier<'_> {
         Some(automaton.by_state(&state(id), &ok))
     }
 
-    /// An invariant for `a W b` or `a R b`, with `a` and `b` about finitely many steps of any
-    /// number.
+    /// An invariant for `a W b` or `a R b`, where `a` and `b` are about finitely many steps,
+    /// however many; `None` for other formulas.
     ///
-    /// For `W`, `a` holds unless `b` has held so far. For `R`, `b` holds unless `a` held before.
+    /// For `W`, it requires `a` unless `b` has held in this step or before. For `R`, it requires
+    /// `b` unless `a` held in an earlier step.
     pub fn unless(&mut self, f: FormulaId) -> Option<Expr> {
         let (kept, end, release) = match *self.formulas.op(f) {
             Op::Weak(a, b) => (a, b, false),

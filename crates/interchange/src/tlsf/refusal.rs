@@ -4,7 +4,8 @@ use super::classify::{Classifier, Refusal};
 use super::ltl::{FormulaId, Formulas, Op};
 
 impl Classifier<'_> {
-    /// The refusal of the smallest temporal subformula without an equivalent.
+    /// The refusal of the smallest temporal subformula without an equivalent. `within` describes
+    /// the formula around `f`.
     pub fn nested(&self, f: FormulaId, within: &str) -> Refusal {
         let (mut at, mut within) = (f, within);
         loop {
@@ -24,7 +25,7 @@ impl Classifier<'_> {
                         *a
                     })
                 }
-                // An operand is itself not a safety formula.
+                // The cause is an operand that is not a safety formula, if there is one.
                 Op::Weak(a, b) | Op::Until(a, b) | Op::Release(a, b) => {
                     let found = [*a, *b].into_iter().find(|g| !self.formulas.is_safety(*g));
                     if found.is_some() {
@@ -46,7 +47,7 @@ impl Classifier<'_> {
             ),
             Op::Finally(g) if matches!(self.formulas.op(*g), Op::Globally(_)) => (
                 "`F G`",
-                "let an output signal when it begins: `G (settled -> X settled)`, \
+                "add an output `settled` that signals when it begins: `G (settled -> X settled)`, \
                  `G (settled -> a)` and `G F settled`",
             ),
             Op::Globally(g) if matches!(self.formulas.op(*g), Op::Finally(_)) => (
@@ -69,7 +70,8 @@ impl Classifier<'_> {
         }
     }
 
-    /// The refusal of a positive `U` within another positive `U` in the file's own formula.
+    /// The refusal of a `U` in a positive position within another such `U`, as the file's formula
+    /// is written; `None` if there is no such `U`.
     pub fn nested_until(&self, f: FormulaId) -> Option<Refusal> {
         let at = self.inner_until(f, false, false)?;
         Some(Refusal {

@@ -4,7 +4,7 @@ use linewright_core::diagnostics::{Code, Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use std::ops::Range;
 
-/// Maximum number of findings that are kept.
+/// Maximum number of findings that are reported.
 const MAX_FINDINGS: usize = 200;
 
 /// The findings about a file so far.

@@ -1,9 +1,9 @@
-//! Adapts a file to a target machine other than that of its semantics.
+//! Adapts a file whose TARGET is another machine than that of its SEMANTICS.
 //!
-//! If TARGET differs from SEMANTICS, one side's variables are read at another step. For a Moore
-//! target, a Mealy formula reads outputs one step later; for a Mealy target, a Moore formula reads
-//! inputs one step later. If the other side's variables occur only directly after `X`, they are
-//! read one step earlier instead. In both cases the file has the verdict of its own semantics.
+//! If the two differ, the variables of one side are read at another step. For a Moore target, a
+//! Mealy formula reads outputs one step later; for a Mealy target, a Moore formula reads inputs one
+//! step later. If the other side's variables occur only directly after `X`, they are read one step
+//! earlier instead. In both cases, the verdict is that of the original semantics.
 
 use super::ast::Semantics;
 use super::found::Conjunct;

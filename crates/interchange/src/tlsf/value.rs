@@ -28,7 +28,7 @@ impl Value {
     }
 }
 
-/// A binding of an argument or of a variable of a big operator, linked to the outer bindings.
+/// An argument or a big operator's variable with its value, linked to the outer bindings.
 pub(super) struct ScopeBinding<'a> {
     pub name: &'a str,
     pub value: Value,

@@ -11,21 +11,22 @@ pub(super) fn width(domain: &Domain) -> u32 {
     u64::BITS - (domain.size() - 1).leading_zeros()
 }
 
-/// Whether some bit patterns are outside the domain.
+/// Whether some bit patterns stand for no value of the domain.
 pub(super) fn has_holes(domain: &Domain) -> bool {
     domain.size() != 1 << width(domain)
 }
 
 impl Gates {
-    /// True if the bits of a variable hold a value of its domain.
+    /// The gate that is true if the bits of a variable hold a value of its domain.
     pub fn in_domain(&mut self, domain: &Domain, v: VarId, time: Time) -> Gate {
         self.at_most(domain, v, time, domain.size() - 1)
     }
 
-    /// True if the bits hold a number of at most `bound`.
+    /// The gate that is true if the bits hold a number of at most `bound`.
     ///
-    /// From the lowest bit up: the bits so far are at most those of the bound if this bit is below
-    /// the bound's, or equal and the lower bits are at most those of the bound.
+    /// It is built from the lowest bit up. The bits so far are at most those of `bound` in two
+    /// cases: the current bit is smaller than that of `bound`, or the two are equal and the lower
+    /// bits are at most those of `bound`.
     fn at_most(&mut self, domain: &Domain, v: VarId, time: Time, bound: u64) -> Gate {
         let mut gate = self.bool(true);
         for k in 0..width(domain) {
@@ -50,7 +51,7 @@ impl Gates {
         }
     }
 
-    /// The gate with tests of bits in place of tests of values.
+    /// Replaces the tests of values in a gate with tests of bits.
     pub fn in_bits(&mut self, specification: &Specification, root: Gate) -> Gate {
         let mut done: BTreeMap<Gate, Gate> = BTreeMap::new();
         // Gates are numbered after their operands.

@@ -1,11 +1,11 @@
 //! Formulas as gates over tests of single variables, for formats without arithmetic.
 //!
 //! A comparison is decided variable by variable. Each value of the first variable is substituted,
-//! the rest is simplified, and values with the same rest are grouped. `x' = min(x + 1, 5)` becomes
-//! one case per value of `x'`, each with a range of values of `x`. Rests are memoized, so the cost
-//! of a sum of many variables grows with the number of distinct sums, not of valuations. The
-//! method is sound for all operators, but too expensive for two numbers with thousands of values;
-//! such formulas are refused.
+//! the remaining formula is simplified, and values with the same remaining formula are grouped.
+//! `x' = min(x + 1, 5)` becomes one case per value of `x'`, each with a range of values of `x`.
+//! Remaining formulas are memoized, so the cost of a sum of many variables grows with the number of
+//! distinct sums, not of valuations. The method is sound for all operators, but too expensive for
+//! two numbers with thousands of values; formulas with such numbers are refused.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Formula, Specification, Time, UnaryOp, VarId};
@@ -126,7 +126,7 @@ impl Gates {
         }
     }
 
-    /// The gate of a formula; values tried for it are counted from 0 again.
+    /// The gate of a formula. The number of values tried is counted from 0 for each formula.
     pub fn formula(
         &mut self,
         specification: &Specification,
@@ -177,7 +177,7 @@ impl Gates {
         })
     }
 
-    /// The gate of a comparison, by trying the values of its first variable.
+    /// The gate of a comparison. Tries all values of its first variable.
     fn decide(&mut self, s: &Specification, expr: &Expr) -> Result<Gate, TooManyCases> {
         if let Expr::Const(value) = expr {
             return Ok(self.bool(*value != 0));
@@ -190,7 +190,8 @@ impl Gates {
             first.get_or_insert((v, t));
         });
         let Some((v, t)) = first else {
-            // `simplify` does not fold constants that overflow or divide by zero.
+            // No variable is left, but `simplify` does not fold constants that overflow or divide
+            // by zero.
             return Err(TooManyCases);
         };
         let domain = &s.variable(v).domain;
@@ -198,7 +199,8 @@ impl Gates {
         if self.trials > MAX_TRIALS {
             return Err(TooManyCases);
         }
-        // Ranges of values grouped by their rest, in order of first occurrence.
+        // For each remaining formula, the ranges of values that lead to it, in order of first
+        // occurrence.
         let mut places: HashMap<Expr, usize> = HashMap::new();
         let mut cases: Vec<(Expr, Vec<(i64, i64)>)> = Vec::new();
         for value in domain.low()..=domain.high() {
@@ -305,7 +307,7 @@ impl Gates {
         uses
     }
 
-    /// Number of gates without sharing.
+    /// Number of gates in the tree of `root`, where a shared gate counts once for each use.
     pub fn tree_size(&self, root: Gate) -> u64 {
         // Gates are numbered after their operands.
         let mut sizes: BTreeMap<Gate, u64> = BTreeMap::new();
@@ -325,7 +327,7 @@ impl Gates {
     }
 }
 
-/// Whether the expression is a truth value; the constants 0 and 1 count as one.
+/// Whether the expression is a truth value. The constants 0 and 1 count as truth values.
 pub(crate) fn is_truth(specification: &Specification, expr: &Expr) -> bool {
     use BinaryOp as B;
     match expr {

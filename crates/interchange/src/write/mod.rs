@@ -39,7 +39,8 @@ pub enum Target {
 /// `asm G (a -> !next(b));`.
 ///
 /// `name` is the label of the statement. Returns `None` for formats other than Spectra's, if the
-/// format cannot express the formula, and if it mentions a variable that the file does not declare.
+/// format cannot express the formula, or if the formula mentions a variable that the file does not
+/// declare.
 pub fn statement(
     format: Format,
     specification: &Specification,
@@ -54,7 +55,7 @@ pub fn statement(
     }
 }
 
-/// Writes a specification in another tool's format, with the same verdict in that tool.
+/// Writes a specification in another tool's format. That tool comes to the same verdict.
 ///
 /// Features that the format lacks are expressed with helper variables.
 ///
@@ -89,14 +90,15 @@ impl<'s> Writing<'s> {
         }
     }
 
-    /// The gate of `expr`, the lowered form of `formula`; reports too many cases.
+    /// The gate of `expr`, the lowered form of `formula`. If there are too many cases, reports this
+    /// and returns `None`.
     fn gate(&mut self, formula: &Formula, expr: &Expr) -> Option<Gate> {
         let gate = self.gates.formula(self.specification, expr);
         self.unless_too_many(formula, gate)
     }
 
-    /// The gate, if it has at most `size` gates in a format without shared gates; otherwise reports
-    /// too many cases.
+    /// The gate, if its tree has at most `size` gates, for formats that cannot share gates.
+    /// Otherwise reports too many cases and returns `None`.
     fn check_size(&mut self, formula: &Formula, gate: Gate, size: u64) -> Option<Gate> {
         let fits = self.gates.tree_size(gate) <= size;
         self.unless_too_many(formula, fits.then_some(gate).ok_or(TooManyCases))
@@ -123,7 +125,7 @@ impl<'s> Writing<'s> {
     }
 }
 
-/// Names of all variables that the format allows.
+/// For each variable, a unique name that the format allows.
 fn names_of(specification: &Specification, is_allowed: impl Fn(&str) -> bool) -> Vec<String> {
     let wanted = specification.variables.iter().map(|v| v.name.as_str());
     renamed(wanted, "v_", is_allowed)
@@ -140,8 +142,8 @@ fn is_plain(name: &str, others: &str, words: &[&str]) -> bool {
 
 /// A comment about a variable: its original name, its labels, and the value that 0 represents.
 ///
-/// `from_zero` is whether the format counts the values of numbers from 0. `None` if nothing
-/// changed.
+/// `from_zero` is whether the format counts the values of numbers from 0. `None` if no comment is
+/// needed.
 fn variable_comment(variable: &Variable, name: &str, from_zero: bool) -> Option<String> {
     let mut parts = Vec::new();
     if *name != variable.name {

@@ -101,7 +101,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The line of a gate: shared gates are cells of a buffer, and the gate itself is the last
+    /// The line of a gate. Shared gates become cells of a buffer, and the gate itself is its last
     /// cell.
     fn line(&self, root: Gate) -> String {
         let uses = self.base.gates.uses(root);
@@ -149,7 +149,7 @@ impl Writer<'_> {
                 Shape::And(a, b) => ("&".to_owned(), vec![b, a]),
                 Shape::Or(a, b) => ("|".to_owned(), vec![b, a]),
                 Shape::Xor(a, b) => ("^".to_owned(), vec![b, a]),
-                // Unreachable: `in_bits` replaced these.
+                // Unreachable: `in_bits` has replaced these tests.
                 Shape::Within(..) => ("1".to_owned(), vec![]),
             };
             words.push(word);

@@ -33,7 +33,8 @@ const WORDS: Words = Words {
 const MAX_SIZE: u64 = 1 << 18;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
-    // The first step that the lowering adds must not have to keep invariants.
+    // Invariants are replaced first, because they must not apply to the first step that the
+    // lowering of a Moore game adds.
     let lowered = match specification.timing {
         Timing::Mealy => specification.clone(),
         Timing::Moore => lower::to_mealy(&lower::without_invariants(specification)),
@@ -51,8 +52,8 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
 }
 
 /// An assumption or guarantee over the variables of a Spectra file, as a statement of that file.
-/// `None` if Spectra cannot express it, or if it mentions a variable that the file does not
-/// declare.
+/// `None` if Spectra cannot express the formula, or if the formula mentions a variable that the
+/// file does not declare.
 pub(super) fn statement(
     specification: &Specification,
     side: Owner,
@@ -170,7 +171,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The text of a truth value. The recursion is as deep as the formula.
+    /// The text of a Boolean expression. The recursion is as deep as the expression.
     fn truth(&mut self, expr: &Expr) -> Result<Piece, TooManyCases> {
         use BinaryOp as B;
         let s = self.base.specification;

@@ -61,7 +61,8 @@ impl Words {
         if pieces.len() < 2 {
             return pieces.pop().unwrap_or_else(|| self.truth(empty));
         }
-        // Parentheses avoid confusion where `and` and `or` are mixed.
+        // Operands with other operators get parentheses, because mixed `and` and `or` are easily
+        // misread.
         let operand = |piece: Piece| match piece.0 {
             own if own == rank => piece.1,
             _ => at_least(piece, Rank::Relation),

@@ -1,10 +1,10 @@
 //! Writes `.tlsf`, for LTL synthesis tools.
 //!
-//! The format's strict semantics equals that of a strict GR(1) game, section by section, if
-//! conditions on the next step are below `X`. Therefore an invariant is written twice: for step 0
-//! under INITIALLY or PRESET, and for every next step under REQUIRE or ASSERT. A number becomes a
-//! bus that holds the distance from its smallest value; another invariant excludes bit patterns
-//! outside the domain.
+//! Section by section, the format's strict semantics equals that of a strict GR(1) game, if
+//! conditions on the next step are written with `X`. Therefore an invariant is written twice: for
+//! step 0 under INITIALLY or PRESET, and for every next step under REQUIRE or ASSERT. A number
+//! becomes a bus that holds the distance from its smallest value; another invariant excludes bit
+//! patterns outside the domain.
 
 use super::super::tlsf::is_reserved;
 use super::bits::{has_holes, width};
@@ -162,7 +162,7 @@ impl Writer<'_> {
     fn text(&self, gate: Gate) -> Piece {
         WORDS.gate(&self.base.gates, gate, &|shape| match shape {
             Shape::Bit(v, time, k) => (Rank::Tight, self.bit(v, time, k)),
-            // Unreachable: `in_bits` leaves no other tests.
+            // Unreachable: `in_bits` has replaced all other tests.
             _ => WORDS.truth(true),
         })
     }

@@ -38,7 +38,7 @@ enum Place {
     Justice,
 }
 
-/// Context of a formula within the assumption or guarantee.
+/// Context of a formula within its assumption or guarantee.
 #[derive(Clone)]
 struct At<'a> {
     place: Place,
@@ -57,7 +57,7 @@ impl At<'_> {
     }
 }
 
-/// Returns a formula together with the temporal operators above it.
+/// Returns a formula inside the temporal operators for which `place` stands.
 fn whole(formula: &ast::Expr, place: Place) -> ast::Expr {
     let under = |kind: fn(Box<ast::Expr>) -> ExprKind, inner: ast::Expr| ast::Expr {
         span: inner.span,
@@ -96,14 +96,14 @@ pub(super) fn classify<'a>(
 }
 
 impl Label<'_> {
-    /// Returns the source text of a formula in one line.
+    /// Returns the source text of a formula on one line.
     fn text(&self, span: Span) -> String {
         one_line(self.sources.text(span))
     }
 }
 
-/// Returns the text of a formula in one line, without comments, since a line comment would include
-/// the rest of the line. Formulas contain no strings.
+/// Returns the text of a formula on one line. Comments are removed, because a line comment would
+/// also include the words that followed on the next line. Formulas contain no strings.
 pub(super) fn one_line(text: &str) -> String {
     let mut words = String::new();
     let mut rest = text;
@@ -123,7 +123,7 @@ pub(super) fn one_line(text: &str) -> String {
 }
 
 /// Adds a formula to a side; returns whether its shape is in GR(1). A formula outside GR(1) is
-/// reported once for all values of its quantifiers.
+/// reported once, not for each value of its quantified names.
 fn visit<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
@@ -217,7 +217,7 @@ fn is_temporal(e: &ast::Expr) -> bool {
     )
 }
 
-/// Returns whether the formula contains `next`, even of a constant.
+/// Returns whether the formula contains `next`, even if it is applied to a constant.
 fn mentions_next(e: &ast::Expr) -> bool {
     let mut open = vec![e];
     while let Some(e) = open.pop() {
@@ -238,7 +238,7 @@ fn first_temporal(e: &ast::Expr) -> &ast::Expr {
     children.find(|c| temporal(c)).map_or(e, first_temporal)
 }
 
-/// Adds a formula without temporal operators.
+/// Adds a formula without temporal operators to a side; returns whether its shape is in GR(1).
 fn leaf<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
@@ -253,8 +253,8 @@ fn leaf<'a>(
     let Some(expr) = e.formula(&term, formula.span) else {
         return true;
     };
-    // `always (next true -> P)` is a condition on transitions, not an invariant, since it holds
-    // only in steps with a successor.
+    // `always (next true -> P)` is a condition on transitions, not an invariant, because it
+    // requires `P` only in steps that have a next step.
     let primed = expr.mentions_next() || place == Place::Always && mentions_next(formula);
     if place == Place::Top && primed {
         let finding = refusal::without_always(&e.names, formula, &at.quantifiers, label);
@@ -312,7 +312,7 @@ fn add_obligations(
         };
         let looks_back = parts.len() > 1;
         for part in parts {
-            // A split formula is reported once.
+            // A formula that was split is reported only once.
             if !control::controls(e, (formula, place), &part, looks_back, label) {
                 return;
             }

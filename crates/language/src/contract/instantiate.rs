@@ -18,8 +18,8 @@ use std::sync::Arc;
 /// Argument values and their positions, by name.
 pub(super) type Arguments = BTreeMap<String, (Value, Span)>;
 
-/// Evaluates arguments in the caller's scope. Reports unknown and duplicate ones. The types of the
-/// parameters serve to resolve labels.
+/// Evaluates arguments in the caller's scope. A label is looked up in the type of the parameter.
+/// Reports unknown and duplicate arguments.
 pub(super) fn arguments<'a>(
     caller: &mut Elaborator<'a>,
     parameters: &[ast::Parameter],
@@ -204,7 +204,7 @@ pub(super) fn taxonomy_codes(
         .collect()
 }
 
-/// Returns the codes of a contract or machine, without checking them.
+/// Returns the taxonomy codes of a contract or machine, without checking them.
 pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
     header
         .codes
@@ -217,7 +217,8 @@ pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
 }
 
 /// Instantiates a contract with these arguments. Returns `None` if there is an error, which is
-/// added to the findings. `call` is the position of the use that gives the arguments.
+/// added to the findings. `call` is the position at which the contract is used with these
+/// arguments.
 pub(super) fn instantiate(
     scope: &Scope<'_>,
     sources: &SourceMap,
@@ -310,7 +311,8 @@ pub(super) fn instantiate(
     })
 }
 
-/// Brings the types, constants, variables, counters and defines of the contract into scope.
+/// Brings the types, constants, variables, counters and defines of the contract into scope. Reports
+/// duplicate names.
 fn declare<'a>(
     e: &mut Elaborator<'a>,
     contract: &'a ast::Contract,
@@ -352,7 +354,8 @@ fn declare<'a>(
                         e.names.broken.insert(name.text.clone());
                         continue;
                     };
-                    // A variable is much more expensive for later stages than a node.
+                    // Each leaf counts as 32 nodes, because a variable is much more expensive for
+                    // later stages than a node of an expression.
                     if e.expansion
                         .spend(name.span, 32 * shape.leaf_count(), &mut e.findings)
                         .is_none()

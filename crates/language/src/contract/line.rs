@@ -19,8 +19,9 @@ pub struct Line {
     pub product: usize,
     /// Every place in which a part can be.
     pub nodes: Vec<Node>,
-    /// Routes between places. A part takes the first route of its type from its place whose
-    /// condition holds, and waits until the route's `to` has room.
+    /// Routes between places, in order of priority. Of the routes for its type that start at its
+    /// place, a part takes the first one whose condition holds. It waits until the place at the end
+    /// of this route has room.
     pub routes: Vec<Route>,
     /// Requirements that a run has to meet.
     pub requirements: Vec<Requirement>,
@@ -103,7 +104,7 @@ pub struct PartProperty {
 }
 
 impl PartProperty {
-    /// Formats the domain with its unit, or `finite numbers`.
+    /// Formats the domain with its unit; returns `finite numbers` if there is no domain.
     pub fn describe(&self) -> String {
         match &self.domain {
             Some(domain) => describe_domain(domain, &self.unit),
@@ -117,7 +118,7 @@ impl PartProperty {
 pub enum InitialValue {
     /// A number.
     Number(f64),
-    /// Value of property `.1` of the part's first component of part type `.0`.
+    /// The value that a component has: property `.1` of the first component with part type `.0`.
     Component(usize, usize),
 }
 
@@ -141,15 +142,16 @@ pub enum NodeKind {
         part: usize,
         /// Times at which parts are made.
         supply: Supply,
-        /// Number of parts of this type in the line at which the source stops making parts. Counts
-        /// single parts, parts that are joined to others, and the part that waits in the source.
+        /// Maximum number of parts of this type in the line: the source makes no part while there
+        /// are as many. The count includes single parts, parts that are joined to others, and the
+        /// part that waits in the source.
         most: Option<u32>,
     },
     /// Takes parts out of the line.
     Sink {
         /// Whether arriving parts count as rejected.
         reject: bool,
-        /// Source that gets a new order for each arriving part, as a node index.
+        /// Node index of the source that receives a new order for each arriving part.
         reorder: Option<usize>,
     },
     /// Stores arriving parts, and releases parts from its stock.
@@ -157,7 +159,7 @@ pub enum NodeKind {
         /// Part types (indices) and their counts at the start.
         stock: Vec<(usize, u64)>,
     },
-    /// An instance of a machine that performs operations on parts, one at a time.
+    /// An instance of a machine that performs operations on one part at a time.
     Station {
         /// Machine of the station.
         machine: Arc<Machine>,
@@ -167,7 +169,7 @@ pub enum NodeKind {
         defects: Vec<Defect>,
         /// Setup time in seconds when the part type differs from the previous one.
         setup_seconds: f64,
-        /// Breakdowns as declared in the line, or else in the machine.
+        /// Breakdowns that the line declares or, if it declares none, the machine.
         failures: Option<Failures>,
     },
     /// A conveyor that carries parts in their order.
@@ -197,13 +199,13 @@ pub enum NodeKind {
 pub struct Belt {
     /// Machine that controls the conveyor; it has no operations.
     pub machine: Arc<Machine>,
-    /// Plant wire: a part waits to be put on place 0.
+    /// Plant wire that is true while a part waits to be put on place 0.
     pub load: usize,
-    /// Plant wire: the next node can take the part on the last place.
+    /// Plant wire that is true while the next node can take the part on the last place.
     pub unload_ready: usize,
-    /// Component wires: place `i` is occupied.
+    /// Component wires; wire `i` is true while place `i` is occupied.
     pub places: Vec<usize>,
-    /// Component wire: a part can be put on place 0.
+    /// Component wire that is true while a part can be put on place 0.
     pub ready: usize,
 }
 
@@ -221,18 +223,19 @@ pub enum Supply {
     },
     /// Parts are made on order. There is one order for each end product of the run's limit
     /// (unlimited if only a time is given), and one for each part that a sink reorders. An order is
-    /// for as many parts as one product (or the rejected part) contains, at least one.
+    /// for as many parts as one product (or the rejected part) contains, but for at least one part.
     OnOrder,
 }
 
-/// Number of parts at one instant that counts as endless: a run reports a million movements at one
-/// instant as an error, and a part may move several times.
+/// A supply of this many parts at one instant counts as endless, because a run reports a million
+/// movements at one instant as an error, and each part can move several times.
 const ENDLESS_COUNT: u64 = 50_000;
 
 impl Line {
     /// Returns whether a node supplies parts of this type endlessly, each as soon as the previous
-    /// one has left: a source without waiting time, or a store with a large stock. A source with a
-    /// limit is endless if a sink reorders from it, since each order raises the limit.
+    /// one has left. This is true of a source without waiting time, and of a store with a large
+    /// stock. A source with a limit also counts as endless if a sink reorders from it, because each
+    /// order raises the limit.
     pub fn is_endless(&self, node: usize, part: usize) -> bool {
         match &self.nodes[node].kind {
             NodeKind::Source { supply, .. } => match *supply {
@@ -257,7 +260,7 @@ impl Line {
         nodes.any(|n| matches!(n.kind, NodeKind::Sink { reorder, .. } if reorder == Some(source)))
     }
 
-    /// Returns whether a route brings parts of this type to a node.
+    /// Returns whether parts of this type have a route that ends at a node.
     pub fn is_brought(&self, node: usize, part: usize) -> bool {
         self.routes.iter().any(|r| r.to == node && r.part == part)
     }
@@ -270,8 +273,9 @@ impl Line {
         };
         let bill = &self.parts[part].bill;
         let has_task = |part: usize| tasks.iter().any(|t| t.part == part);
-        // If the joined part also comes here, its components may only pass through: they are joined
-        // here only if all of them come, and none for a task of its own.
+        // If the joined part itself has a route to the station, its components might only pass
+        // through. They are joined here only if each of them has a route to the station, and none
+        // of them has a task of its own.
         let joins = !self.is_brought(node, part)
             || bill
                 .iter()
@@ -283,11 +287,11 @@ impl Line {
 /// Work of a station on one part type.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// Type of the part that leaves. If its bill is empty, parts of this type arrive. Otherwise the
-    /// station waits for all components in the bill, and joins them; but if routes bring joined
-    /// parts of this type to the station (as to a camera that checks the product), it works on
-    /// these. It then joins components as well only if routes bring all of them to the station, and
-    /// none of them has a separate task there.
+    /// Type of the part that leaves. If its bill is empty, parts of this type also arrive. If it
+    /// has a bill, the station waits for all components in the bill, and joins them. There is one
+    /// exception: if parts of this type arrive that are already joined (as at a camera that checks
+    /// the product), the station works on these parts. It then joins components as well only if all
+    /// of them have routes to the station, and none of them has a separate task there.
     pub part: usize,
     /// Operations in order, as indices into [`Machine::operations`], each with the values of its
     /// parameters: pairs (index into [`Machine::properties`], value).
@@ -309,9 +313,9 @@ pub struct Defect {
     pub probability: f64,
     /// Properties, one of which is chosen at random with equal probability.
     pub properties: Vec<usize>,
-    /// New value of the chosen property, over the old properties: `Property(i)` is property `i` of
-    /// the part type. `Property(n)`, where `n` is the number of properties of the part type, is the
-    /// old value of the chosen property.
+    /// New value of the chosen property, computed from the old values: `Property(i)` is the old
+    /// value of property `i` of the part type. `Property(n)`, where `n` is the number of properties
+    /// of the part type, is the old value of the chosen property.
     pub value: RealExpr,
     /// Source position of the declaration.
     pub span: Span,
@@ -333,7 +337,7 @@ pub struct Route {
     pub span: Span,
 }
 
-/// A requirement of a run: compares a metric with a number.
+/// A requirement on a run: a comparison of a metric with a number.
 #[derive(Debug, Clone)]
 pub struct Requirement {
     /// Name of the requirement.
@@ -351,7 +355,7 @@ pub struct Requirement {
 /// A metric of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Metric {
-    /// End products per hour in their sink or store.
+    /// End products per hour that arrive in a sink or store.
     ThroughputPerHour,
     /// Seconds from the start to the last end product.
     MakespanSeconds,

@@ -83,8 +83,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
     library.sources = sources;
     let malformed = files.iter().filter(|f| !f.syntax_errors.is_empty());
     library.malformed_files = malformed.map(|f| f.id).collect();
-    // A finding occurs several times if several files import its file, or several machines use its
-    // contract. It is reported once.
+    // The same finding can occur several times, because several files can import its file, or
+    // several machines can use its contract. It is reported once.
     let mut seen = BTreeSet::new();
     let mut unique: Vec<Diagnostic> = findings
         .into_iter()
@@ -95,8 +95,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
 }
 
 impl Reader<'_> {
-    /// Reads a file and its imports, unless it has been read, and returns its index. `path` is the
-    /// chain of imports that leads to this file.
+    /// Reads a file and its imports, unless the file has already been read, and returns its index.
+    /// `path` is the chain of imports that leads to this file.
     fn read(&mut self, name: &str, text: &str, path: &mut Vec<usize>) -> usize {
         if let Some(index) = self.by_name.get(name) {
             return *index;
@@ -234,7 +234,8 @@ fn unused(
         .collect();
     let mut found = Vec::new();
     for (i, item) in file.tree.items.iter().enumerate() {
-        // An error between two items can belong to the item before it.
+        // The extent of an item reaches to the next item, because an error between two items can
+        // belong to the first of them.
         let next = starts.get(i + 1).copied().unwrap_or(end);
         let extent = Span::new(file.id, starts[i].min(next), next);
         found.extend(match item {
@@ -254,7 +255,8 @@ fn unused(
         let trees: Vec<&ast::File> = importers.iter().map(|i| &files[*i].tree).collect();
         let whole = Span::new(file.id, 0, end);
         for (_, span) in &mut doubt.unknown {
-            // An undeclared name in an importing file can be a misspelled use of this declaration.
+            // An undeclared name in an importing file can be a misspelled use of any declaration in
+            // this file.
             let importer = importers.iter().any(|i| files[*i].id == span.file);
             *span = if importer { whole } else { *span };
         }
@@ -278,7 +280,8 @@ fn start(item: &ast::Item) -> usize {
     span.start as usize
 }
 
-/// Returns a file and all files that it imports directly or indirectly, imports first.
+/// Returns a file and all files that it imports directly or indirectly. Imported files come before
+/// the files that import them.
 fn closure(files: &[File], index: usize) -> Vec<usize> {
     fn visit(files: &[File], index: usize, order: &mut Vec<usize>) {
         if order.contains(&index) {

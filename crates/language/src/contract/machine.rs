@@ -5,19 +5,20 @@
 //!
 //! In one step a machine computes a vector of `i64` *wires*: first the plant's inputs
 //! ([`Machine::plant`]), then every output and internal variable of every component, in the order
-//! of [`Machine::components`] and of each one's specification ([`Machine::first_wire`]). Bindings
-//! are expressions over wires, in which `VarId(i)` with `Time::Now` is wire `i`. They contain only
-//! current values.
+//! of [`Machine::components`] and, within a component, in the order of its specification
+//! ([`Machine::first_wire`]). Bindings are expressions over wires, in which `VarId(i)` with
+//! `Time::Now` is wire `i`. They contain only current values.
 //!
 //! # One step
 //!
 //! 1. The caller sets the plant's wires. A value outside its domain is an error.
-//! 2. All Moore components write their outputs to their wires, among them the coordinators. The
+//! 2. All Moore components, including the coordinators, write their outputs to their wires. The
 //!    machine's own coordinator is component 0 if there is one.
-//! 3. The actions follow in order: the inputs of each are computed from its bindings, its
-//!    assumptions are checked, and a Mealy action writes its outputs to its wires.
-//! 4. The inputs of the coordinators are computed and their assumptions checked; then all
-//!    components change their state together.
+//! 3. The actions follow in order. For each action, the inputs are computed from its bindings, and
+//!    its assumptions are checked. If it is a Mealy machine, it then writes its outputs to its
+//!    wires.
+//! 4. The inputs of the coordinators are computed, and their assumptions are checked. Then all
+//!    components change their state at the same time.
 //!
 //! If an assumption is violated, the step ends with an error and no state changes.
 //!
@@ -25,8 +26,8 @@
 //!
 //! A machine can have machines as components. This model is flat nevertheless: the components of an
 //! inner machine `left` are listed among the others, as `left.pick`; the coordinators of all layers
-//! come first. Code generation and execution do not see the layers. [`Layers`] keeps the structure
-//! for proofs.
+//! come first. Code generation and execution do not depend on the layers. [`Layers`] records the
+//! structure for proofs.
 
 use super::TaxonomyCode;
 use crate::order::{Level, Skills};
@@ -50,7 +51,8 @@ pub struct Machine {
     pub components: Vec<Component>,
     /// Wires that the plant sets.
     pub plant: Vec<PlantInput>,
-    /// Properties of the part and parameters of the operations, as `simulate` takes them.
+    /// Properties of the part and parameters of the operations; `simulate` accepts a value for
+    /// each.
     pub properties: Vec<Property>,
     /// Operations; at least one for a machine with a coordinator. The plant input with the source
     /// [`PlantSource::Operation`] selects one by its [`Operation::value`].
@@ -76,7 +78,8 @@ pub struct Machine {
     pub refines: Vec<RefinedContract>,
     /// Guarantees of the whole machine, over wires.
     pub guarantees: Rules,
-    /// Skill sets that the machine calls, with their orders: its own, then those of inner machines.
+    /// Skill sets that the machine calls, with their orders: first its own sets, then those of
+    /// inner machines.
     pub orders: Vec<SkillOrders>,
     /// Inner machines, for proofs layer by layer.
     pub layers: Layers,
@@ -125,9 +128,9 @@ pub struct RefinedContract {
 pub struct SkillOrders {
     /// Skills and their orders; shared by all machines that call them.
     pub skills: Arc<Skills>,
-    /// Level of the orders that the machine has to keep.
+    /// Level of the orders with which the machine has to comply.
     pub level: Level,
-    /// For each skill, in order, the condition over wires that it is being called in this step.
+    /// For each skill, in order, whether it is called in this step, as a condition over wires.
     pub when: Vec<Expr>,
     /// Path of the inner machine that calls the skills, such as `left.arm`; empty for the machine
     /// itself.
@@ -158,36 +161,37 @@ pub struct Component {
     pub role: Role,
     /// Formulas of the contract with this component's arguments.
     pub specification: Arc<Specification>,
-    /// One expression over wires per input of the specification, in that order.
+    /// One expression over wires for each input of the specification, in the same order.
     pub bindings: Vec<Expr>,
-    /// Whether this action is active in this step, as a condition over wires. `None` for the
-    /// coordinator.
+    /// Whether this action is active in this step, as a condition over wires. `None` for a
+    /// component without such a condition, such as a coordinator.
     pub active: Option<Expr>,
     /// Duration of an execution.
     pub time: Option<ActionTime>,
-    /// Power drawn while the action is active, in watts, over the properties at the start of the
-    /// operation.
+    /// Power drawn while the action is active, in watts, as an expression over the properties at
+    /// the start of the operation.
     pub watts: RealExpr,
     /// Source position of the name.
     pub span: Span,
 }
 
-/// Role of a component in the two layers.
+/// Role of a component in a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// Decides which actions run.
     Coordinator,
     /// Runs when the coordinator requests it.
     Action,
-    /// Observer: receives the calls of skills, and assumes that the orders of their set are kept.
-    /// It has no influence on the machine.
+    /// Observes the calls of skills. Its assumptions are the orders of the skill set, so a call
+    /// that breaks an order violates an assumption. It has no influence on the machine.
     Watch,
 }
 
-/// Duration of an action, in seconds, over the properties at the start of the operation.
+/// Duration of an action, in seconds, as an expression over the properties at the start of the
+/// operation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ActionTime {
-    /// Duration of every step in which it is active.
+    /// Duration of every step in which the action is active.
     PerStep(RealExpr),
     /// Duration of one execution (a run of consecutive active steps), regardless of the number of
     /// steps. The first step takes all of it.
@@ -227,13 +231,13 @@ pub enum PlantSource {
         /// Values of the script.
         script: Vec<i64>,
     },
-    /// Abstraction of properties: value of this expression over the properties at the start. It
-    /// must be an integer of the domain.
+    /// Abstraction of properties: the value of this expression over the properties at the start of
+    /// the operation. It must be an integer in the domain of the wire.
     Property(RealExpr),
 }
 
-/// A property of the part or a parameter of the operation, as `simulate` takes it. An array has one
-/// entry per element.
+/// A property of the part or a parameter of the operation, for which `simulate` accepts a value. An
+/// array has one entry per element.
 #[derive(Debug, Clone)]
 pub struct Property {
     /// Name; an array's element is called `heights[2]`.
@@ -289,9 +293,9 @@ pub struct Failures {
 pub enum RealExpr {
     /// A number.
     Number(f64),
-    /// A property by its index.
+    /// The value of the property with this index.
     Property(usize),
-    /// A wire by its index; its value after the last step.
+    /// The value of the wire with this index after the last step.
     Wire(usize),
     /// An operator with one operand.
     Unary(RealUnary, Box<RealExpr>),

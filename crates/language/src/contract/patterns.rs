@@ -1,8 +1,8 @@
 //! Lowering of specification patterns in a contract to monitors and formulas.
 //!
 //! [`gr1::monitors`](linewright_core::gr1::monitors) defines the meaning of a pattern. This module
-//! resolves its operands, and lowers the LTL formulas that are equivalent to patterns, such as
-//! `always (p -> eventually s)`.
+//! resolves the operands of patterns. It also lowers LTL formulas that are equivalent to patterns,
+//! such as `always (p -> eventually s)`.
 
 use super::elaborate::Elaborator;
 use linewright_core::diagnostics::codes;
@@ -27,7 +27,7 @@ pub(super) fn lower<'a>(
             codes::PAST,
             bound.span,
             "`never` and `always` take no bound",
-            "limit the time with a scope, `never P after Q until R`, where R can be that a counter has reached its end",
+            "limit the time with a scope, such as `never P after Q until R`, where R states that a counter has reached its end",
         );
         return None;
     }

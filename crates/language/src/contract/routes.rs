@@ -1,8 +1,9 @@
 //! Checks that every part has a route to the end of its line.
 //!
 //! The *origins* of a part type are its sources, the stores that have it in stock, and the stations
-//! that join it. The check follows the routes from there. A part would stay for ever at a place
-//! where it is neither taken out nor joined, and from which no route leads on.
+//! that join it. The check follows the routes from there. A place is reported if a part would stay
+//! there for ever: the part is neither taken out of the line nor joined to others there, and no
+//! route leads on.
 
 use super::line::{Line, NodeKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -123,8 +124,9 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
 }
 
 /// Reports routes that are never taken because an earlier route of the same part type from the same
-/// place has no condition: a part takes the first route whose condition holds. A route to the same
-/// place is no mistake: `a -> m -> k` and `b -> m -> k` share their end.
+/// place has no condition: a part takes the first route whose condition holds. A second route to
+/// the same place is no mistake, because the routes `a -> m -> k` and `b -> m -> k` share their
+/// end.
 fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
     for (i, route) in line.routes.iter().enumerate() {
         let mut earlier = line.routes[..i].iter();
@@ -136,11 +138,11 @@ fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
         };
         let (ty, from) = (&line.parts[route.part], &line.nodes[route.from]);
         let help = if route.condition.is_some() {
-            "write the route with the condition before the one without".to_owned()
+            "put the conditional route before the unconditional one".to_owned()
         } else {
             format!(
-                "add a condition to the first route: `when ...` for the parts that go to `{}`; the language does not support \
-                 parallel machines that share the work yet",
+                "add a condition to the first route: `when ...` for the parts that go to `{}`; the language does not yet support \
+                 parallel machines that share the work",
                 line.nodes[first.to].name
             )
         };
@@ -162,7 +164,7 @@ fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Returns the nodes at which parts of this type appear.
+/// Returns the nodes at which parts of this type first appear in the line.
 fn origins(line: &Line, part: usize) -> Vec<usize> {
     line.nodes
         .iter()
@@ -177,7 +179,7 @@ fn origins(line: &Line, part: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Returns how to make parts of a type that has no origin.
+/// Returns a help text for a part type that has no origin: how to make parts of this type.
 fn missing_origin(line: &Line, part: usize) -> String {
     let kind = &line.parts[part].name;
     let mut stations = line.nodes.iter().enumerate();
@@ -190,7 +192,7 @@ fn missing_origin(line: &Line, part: usize) -> String {
     });
     match passed {
         Some((_, station)) => format!(
-            "`{}` does not join its components, since a route brings a `{kind}` there, and not all components, or components that have a `perform` of their own: join it at another station",
+            "`{}` does not join the components of this part, because a route leads a `{kind}` there that is already joined, and some of the components have no route there, or a separate `perform`: join them at another station",
             station.name
         ),
         None => "add a `source`, stock in a `store`, or a station that performs an operation on it"

@@ -239,7 +239,8 @@ pub(super) fn evaluate_all<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
             }
         }
     }
-    // Broken declarations were reported here; later uses of them cannot be trusted.
+    // The errors were reported here. The elaborator becomes tainted again when a broken name is
+    // used.
     e.findings.tainted = false;
 }
 
@@ -257,7 +258,8 @@ fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> 
 }
 
 fn constant<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<()> {
-    // A constant with a declared type has that type's unit.
+    // Only a constant without a declared type can be a real quantity of the plant. A declared type
+    // determines the unit of its constant.
     let plant = decl.domain.is_none() && uses_units(&e.names, &decl.value);
     let real = std::mem::replace(&mut e.dialect.real, plant);
     let value = constant_value(e, decl);
@@ -278,7 +280,7 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
     Some(value)
 }
 
-/// Returns `None` and reports a finding if the value is outside its range.
+/// Returns `None` and reports an error if the value is outside the range of the declared type.
 fn within(
     findings: &mut Findings,
     decl: &ast::ConstDecl,

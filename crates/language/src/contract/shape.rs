@@ -1,7 +1,7 @@
 //! Shapes of declared types: scalars, arrays and records.
 //!
 //! Later stages have only scalar variables. So a variable becomes one scalar variable for each leaf
-//! of its type, named by the path to the leaf: `target.x`, `places[2].angle`.
+//! of its type. Each is named after the path to its leaf: `target.x`, `places[2].angle`.
 
 use super::units::Unit;
 use super::value::Type;
@@ -21,7 +21,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Returns the type of its values.
+    /// Returns the type of the values that have this shape.
     pub fn ty(&self) -> Type {
         match self {
             Self::Scalar(domain, unit) => measured(domain, *unit),
@@ -32,7 +32,7 @@ impl Shape {
         }
     }
 
-    /// Returns the number of scalar leaves, or `usize::MAX` if it is larger.
+    /// Returns the number of scalar leaves, or `usize::MAX` if the number is larger.
     pub fn leaf_count(&self) -> usize {
         match self {
             Self::Scalar(..) => 1,
@@ -67,7 +67,7 @@ impl Shape {
     }
 }
 
-/// Returns the type of a scalar with a unit.
+/// Returns the type of a scalar with this domain and unit.
 pub(super) fn measured(domain: &Domain, unit: Option<Unit>) -> Type {
     match (domain, unit) {
         (Domain::Range { .. }, Some(unit)) => Type::Measured(unit),

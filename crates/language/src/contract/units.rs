@@ -8,8 +8,9 @@
 pub(super) enum Dimension {
     /// A bare number.
     None,
-    /// A share of 1, written in `%`. Allowed where a bare number is expected, but not mixed with
-    /// one: in `1 - 5 %` it would be unclear whether 1 means 1 %.
+    /// A fraction of 1, written in `%`. It is allowed where a bare number is expected, but cannot
+    /// be added to or compared with one, because in `1 - 5 %` it would be unclear whether 1 means 1
+    /// %.
     Share,
     /// Seconds.
     Time,
@@ -73,8 +74,8 @@ impl Dimension {
     }
 }
 
-/// Returns the dimension of a unit, and its factor to the base unit. Unknown names are bare
-/// numbers.
+/// Returns the dimension of a unit, and the factor that converts it to the base unit. An unknown
+/// name stands for a bare number.
 pub(super) fn unit(name: &str) -> (Dimension, f64) {
     use Dimension as D;
     match name {
@@ -102,8 +103,8 @@ pub(super) fn unit(name: &str) -> (Dimension, f64) {
     }
 }
 
-/// Minimum duration other than 0, in seconds. The clock of a run is an `f64`, which still
-/// distinguishes two instants at this distance after [`MAX_SECONDS`].
+/// Minimum duration other than 0, in seconds. The clock of a run is an `f64`. Even after
+/// [`MAX_SECONDS`], it can still distinguish two instants that are this far apart.
 pub const MIN_SECONDS: f64 = 1e-6;
 
 /// Maximum duration, in seconds: about thirty years.
@@ -156,13 +157,13 @@ impl Unit {
         unit(self.0).0
     }
 
-    /// Returns the factor to the base unit.
+    /// Returns the factor that converts this unit to the base unit.
     pub fn factor(self) -> f64 {
         unit(self.0).1
     }
 
-    /// Returns this unit as a multiple of `other`; `None` if that is not a whole number, or if the
-    /// dimensions differ.
+    /// Returns how many of the units `other` make one of this unit; `None` if their number is not
+    /// whole, or if the dimensions differ.
     pub fn in_terms_of(self, other: Self) -> Option<i64> {
         if self.dimension() == other.dimension() {
             whole(self.factor() / other.factor())
@@ -171,14 +172,14 @@ impl Unit {
         }
     }
 
-    /// Returns a quantity in base units as a multiple of this unit; `None` if that is not a whole
+    /// Converts a quantity from base units to this unit; `None` if the result is not a whole
     /// number.
     pub fn count(self, base: f64) -> Option<i64> {
         whole(base / self.factor())
     }
 }
 
-/// Returns the whole number nearest to a quotient; `None` if they differ by more than a rounding
+/// Returns the whole number nearest to a quotient; `None` if the two differ by more than a rounding
 /// error.
 fn whole(x: f64) -> Option<i64> {
     let near = x.round();

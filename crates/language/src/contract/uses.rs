@@ -25,9 +25,9 @@ pub(super) struct PossibleUses<'d> {
 }
 
 impl PossibleUses<'_> {
-    /// Returns whether a declaration is not reported, because it may be used or contains an error
-    /// itself. `end` is the position of its last part, `extent` is the text in which it can be
-    /// used.
+    /// Returns whether a declaration is not reported as unused, because an error might hide a use
+    /// of it, or because it contains an error itself. `end` is the position of its last part,
+    /// `extent` is the text in which it can be used.
     fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
         let within = |span: &Span| extent.contains(*span);
         let own = name.span.to(end);
@@ -126,8 +126,8 @@ pub(super) fn contract(
     findings
 }
 
-/// Marks the names of unbound inputs of contracts as used, since such an input takes the signal of
-/// its name. Returns whether there was a contract.
+/// Marks the names of unbound inputs of contracts as used, because such an input is connected to
+/// the signal of the same name. Returns whether there was a contract.
 fn mark_inputs<'a, 'c>(
     used: &mut Mentions<'a>,
     contracts: impl Iterator<Item = &'c &'a ast::Contract>,
@@ -210,7 +210,7 @@ fn mark_plant<'a>(
 }
 
 /// Returns the findings for unused declarations of a machine. `contracts` and `machines` are all
-/// that the machine can use as components. Returns none if a component is unknown.
+/// that the machine can use as components. Returns no findings if a component is unknown.
 pub(super) fn machine<'a>(
     machine: &'a ast::Machine,
     contracts: &[&'a ast::Contract],
@@ -234,7 +234,7 @@ pub(super) fn machine<'a>(
                 mark_inputs(&mut used, of_name, bound)
             };
             if !is_known {
-                // The component's inputs may take any signal.
+                // The inputs of an unknown component might be connected to any signal.
                 return Vec::new();
             }
         }

@@ -64,7 +64,7 @@ impl Type {
     }
 }
 
-/// An operator on real numbers in addition to those of [`UnaryOp`].
+/// A rounding operator on real numbers; [`UnaryOp`] contains none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rounding {
     Floor,
@@ -189,7 +189,7 @@ impl Term {
     }
 
     /// Converts the term to an integer expression; `None` if the term contains a real number or a
-    /// rounding.
+    /// rounding operator.
     pub fn to_expr(&self) -> Option<Expr> {
         Some(match self {
             Self::Int(c) => Expr::Const(*c),

@@ -9,7 +9,8 @@ impl Skills {
     pub fn expression(&self, regex: &Regex) -> String {
         let name = |skill: &usize| self.skills[*skill].name.as_str();
         match regex {
-            // The syntax has no expression without words: use any skill except all of them.
+            // The syntax has no expression that matches no word, so it is written as any skill
+            // except all skills.
             Regex::Nothing => self.expression(&Regex::AnyBut((0..self.skills.len()).collect())),
             Regex::Empty => "()".to_owned(),
             Regex::Letter(skill) => name(skill).to_owned(),

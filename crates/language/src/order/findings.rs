@@ -1,7 +1,7 @@
 //! Faults of rules: rules that together allow no call, contradict each other, or exclude nothing.
 //!
 //! The responsible rules are found by deletion, as for the cores of contracts: a rule is removed if
-//! the fault remains without it. So the fault needs every rule that is named.
+//! the fault remains without it. So every rule that is named is necessary for the fault.
 
 use super::fsm::{Fsm, distinguished_calls};
 use super::program::{self, DifferenceOptions};
@@ -12,16 +12,16 @@ use linewright_automata::dfa::REFUSED;
 use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
-/// Maximum number of entries of an automaton that is examined: small enough to repeat the
-/// examination for many subsets of the rules.
+/// Maximum number of table entries of an automaton that is examined. It is small, because the
+/// examination is repeated for many subsets of the rules.
 const MAX_EXAMINED_ENTRIES: usize = 1 << 18;
 
-/// Maximum number of entries that are explored to find the rules that exclude nothing, for all
-/// rules together.
+/// Maximum number of table entries that are explored to find rules that exclude nothing. It applies
+/// to all rules together.
 const MAX_COMPARED_ENTRIES: usize = 1 << 22;
 
-/// Returns the faults of the rules of a skill set: at the level valid, and then, if a rule applies
-/// only there, at the level reasonable.
+/// Returns the faults of the rules of a skill set at the level valid. If some rule applies only at
+/// the level reasonable, the faults at that level follow.
 pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let mut levels: Vec<Level> = skills.rules.iter().map(|r| r.level).collect();
@@ -56,7 +56,8 @@ fn too_large(skills: &Skills, error: &BoundExceeded) -> Diagnostic {
     }
 }
 
-/// Adds the findings of one level. Those found before a bound is exceeded are kept.
+/// Adds the findings of one level. If a bound is exceeded, `findings` contains those found until
+/// then.
 fn at_level(
     skills: &Skills,
     level: Level,
@@ -111,7 +112,7 @@ impl OrderExamination<'_> {
         Fsm::explore_within(&mut supervisor, self.calls.clone(), MAX_EXAMINED_ENTRIES)
     }
 
-    /// Returns a minimal set of rules with the fault.
+    /// Returns a minimal subset of the rules that still has the fault.
     fn core(
         rules: &[usize],
         fault: impl Fn(&[usize]) -> Result<bool, BoundExceeded>,
@@ -141,7 +142,8 @@ impl OrderExamination<'_> {
                 Err(_) => return Ok(false),
             }
         }
-        // Single skills suffice: if several may be called at once, each may be called alone.
+        // It is enough to try single skills, because where several skills can be called at once,
+        // each of them can also be called alone.
         Ok(program::allowed(&mut supervisor, &state, 1)?.is_empty())
     }
 
@@ -169,8 +171,8 @@ impl OrderExamination<'_> {
         Ok(Some(self.labelled(finding, &core).with_help(help)))
     }
 
-    /// Formats the situation for a help text: `there the unit is left, up: `; empty if no component
-    /// has situations.
+    /// Formats a situation as the beginning of a help text, such as `there the unit is left, up: `.
+    /// Returns an empty text if no component has situations.
     fn unit_is(&self, place: &str, situation: &[usize]) -> String {
         match self.skills.situation_text(situation).as_str() {
             "" => String::new(),
@@ -178,7 +180,8 @@ impl OrderExamination<'_> {
         }
     }
 
-    /// Finds rules that together, but not by themselves, allow no further call in some state.
+    /// Finds rules that together allow no further call in some state, although no single rule
+    /// causes this.
     fn dead_end(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
         let letters = fsm.dfa.letter_count();
         let is_stuck = |state: u32| (0..letters).all(|l| fsm.dfa.next(state, l) == REFUSED);
@@ -262,8 +265,8 @@ impl OrderExamination<'_> {
         Ok(())
     }
 
-    /// Finds combinations of simultaneous skills that a rule mentions but never allows, because it
-    /// refuses one of the skills alone, or the event after one of the skills.
+    /// Finds combinations of simultaneous skills that a rule mentions but never allows, because the
+    /// rule refuses one of the skills alone, or refuses the combination after one of the skills.
     fn never_at_once(
         &self,
         all: &[usize],
@@ -311,7 +314,7 @@ impl OrderExamination<'_> {
                     ),
                 );
                 findings.push(finding.with_note(
-                    "a call of several skills counts as each skill alone and as all of them at once, in every order",
+                    "a call of several skills counts as a call of each skill alone and as a call of all of them at once, in every order",
                 ).with_help(format!(
                     "name either `{text}` or its skills in one rule, not both; or write `never {text}` if that is intended"
                 )));
@@ -322,7 +325,7 @@ impl OrderExamination<'_> {
 
     /// Finds a sequence that cannot be completed because of other rules.
     fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
-        // A shortest allowed word that cannot be extended to a complete one.
+        // A shortest allowed sequence of calls that cannot be extended to a complete one.
         let begun = fsm.dfa.clone().prefix_closed();
         let completed = fsm.dfa.clone().trimmed().prefix_closed();
         let Some(word) = begun.difference(&completed) else {
@@ -353,11 +356,11 @@ impl OrderExamination<'_> {
             ),
         );
         Ok(Some(self.labelled(finding, &core).with_help(
-            "let the sequence continue there, or forbid the calls that lead there in the other rules",
+            "let the sequence continue there, or use the other rules to forbid the calls that lead there",
         )))
     }
 
-    /// Finds rules that forbid only calls that are forbidden without them.
+    /// Finds rules that forbid only calls that are also forbidden without them.
     fn redundant(
         &self,
         all: &[usize],
@@ -383,7 +386,7 @@ impl OrderExamination<'_> {
                 let reason = if others.is_empty() && self.options.level == Level::Valid {
                     "it forbids no call"
                 } else {
-                    "the calls that it forbids are forbidden without it"
+                    "the calls that it forbids are also forbidden without it"
                 };
                 let finding = Diagnostic::warning(
                     codes::ORDER_REDUNDANT,

@@ -8,16 +8,17 @@ use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_automata::search::shortest;
 use std::collections::BTreeMap;
 
-/// Maximum number of columns of an automaton. Each column is a call of one skill or several at
-/// once.
+/// Maximum number of columns of an automaton. Each column is a call of one skill or of several
+/// skills at once.
 pub const MAX_CALLS: usize = 4096;
 
 /// Maximum number of entries of an automaton's table.
 pub const MAX_ENTRIES: usize = 1 << 24;
 
-/// Returns the calls of up to `most` skills at once: the single skills in order, then two at once,
-/// and so on; calls of equal size by ascending mask. Two skills of one component are never called
-/// at once. Stops at a smaller size if there would be more than [`MAX_CALLS`] calls.
+/// Returns the calls of up to `most` skills at once. The single skills come first, then calls of
+/// two skills, and so on; calls of equal size are in ascending order of their masks. No call
+/// contains two skills of one component. Stops at a smaller size if there would be more than
+/// [`MAX_CALLS`] calls.
 pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     let own: Vec<u64> = skills
         .components
@@ -35,7 +36,7 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     for _ in 1..most {
         let mut larger = Vec::new();
         for call in &last {
-            // Only skills after the last one are added, so that each set is found once.
+            // Only skills with a larger index are added, so that each set is found once.
             let above = call.0.ilog2() as usize + 1;
             for skill in above..count {
                 let component = skills.skills[skill].component;
@@ -58,8 +59,8 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
 }
 
 /// Returns the calls that rules distinguish: the single skills, each combination of simultaneous
-/// skills that a rule mentions, and any two of these at once, in the order of [`calls`]. Omits the
-/// pairs if there would be more than [`MAX_CALLS`] calls.
+/// skills that a rule mentions, and any two of these at once. They are in the order of [`calls`].
+/// The pairs are omitted if there would be more than [`MAX_CALLS`] calls.
 pub fn distinguished_calls(skills: &Skills) -> Vec<Call> {
     let count = skills.skills.len();
     let mut parts: Vec<u64> = (0..count).map(|s| 1 << s).collect();
@@ -85,7 +86,8 @@ pub fn distinguished_calls(skills: &Skills) -> Vec<Call> {
     all.into_iter().map(Call).collect()
 }
 
-/// Returns whether [`calls`] omitted calls of up to `most` skills at once from its result `calls`.
+/// Returns whether `calls`, which the function [`calls`] returned for `most`, is incomplete because
+/// there would have been too many calls.
 pub fn is_truncated(calls: &[Call], skills: &Skills, most: usize) -> bool {
     let used = |c: usize| skills.skills.iter().any(|s| s.component == c);
     let components = (0..skills.components.len()).filter(|c| used(*c)).count();
@@ -104,8 +106,8 @@ pub struct Fsm {
     pub dfa: Dfa,
 }
 
-/// All transitions from one state to another, as the minimal calls that lead there: a call that
-/// contains a smaller such call is omitted.
+/// All transitions from one state to another, represented by their minimal calls: a call is omitted
+/// if some of its skills alone are a call with the same target state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Transition {
     /// Source state.
@@ -141,7 +143,8 @@ impl Fsm {
         let start = supervisor.start();
         let until = supervisor.options().until;
         let mut too_large = None;
-        // Completeness is checked afterwards: exploring needs exclusive access to the supervisor.
+        // Completeness is checked afterwards, because exploring needs exclusive access to the
+        // supervisor.
         let explored = Dfa::explore_all(
             calls.len(),
             &[start],
@@ -217,8 +220,9 @@ impl Fsm {
         way.expect("every state was reached; please report this")
     }
 
-    /// Returns the transitions, sorted by `from`, then by `to`: at most one for each pair of
-    /// states, regardless of the number of calls, as the paper counts them.
+    /// Returns the transitions, sorted by `from`, then by `to`. There is at most one for each pair
+    /// of states, regardless of the number of calls. Brandenbourger et al. count transitions in
+    /// this way.
     pub fn transitions(&self) -> Vec<Transition> {
         let mut between: BTreeMap<(usize, usize), Vec<Call>> = BTreeMap::new();
         for from in 0..self.states.len() {

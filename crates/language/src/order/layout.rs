@@ -1,9 +1,9 @@
 //! Table layout for monitors: one memory access per call.
 //!
-//! States are numbered by the offset of their row, and a row has a power of two of entries, so a
-//! state plus a skill is an index. An entry from [`Layout::refused`] on encodes the reason for a
-//! refusal. The monitor of this process, the one in C and the one in Structured Text use the same
-//! numbers.
+//! The number of a state is the offset of its row in the table, so the index of an entry is the
+//! state plus the skill. The length of a row is a power of two. An entry of at least
+//! [`Layout::refused`] encodes the reason for a refusal. The monitors in this process, in C and in
+//! Structured Text use the same numbers.
 
 use super::monitor::RefusalReason;
 use super::table::{RECALL, REFUSED, TOGETHER, Table};
@@ -14,13 +14,13 @@ pub struct Layout {
     /// Number of entries in a row of [`Layout::single`]: a power of two, at least the number of
     /// skills.
     pub stride: usize,
-    /// Row by row: the state after a single skill, or, from [`Layout::refused`] on, the reason why
-    /// it is refused.
+    /// One row per state, with one entry per skill: the state after this skill or, if the entry is
+    /// at least [`Layout::refused`], the reason why the skill is refused.
     pub single: Vec<u32>,
-    /// Sets of two and more skills that may be called at once, as masks in ascending order.
+    /// Sets of two or more skills for which `at_once` has entries, as masks in ascending order.
     pub sets: Vec<u64>,
-    /// Row by row, one entry per set, encoded as in [`Layout::single`]; a state's row is the state
-    /// divided by `stride`.
+    /// One row per state, with one entry per set, encoded as in [`Layout::single`]. The index of
+    /// the row is the state divided by `stride`.
     pub at_once: Vec<u32>,
     /// Smallest entry that encodes a refusal; smaller entries are states.
     pub refused: u32,
@@ -49,7 +49,7 @@ impl Layout {
             start: table.start * small(stride),
             rules: small(table.rules.len()),
         };
-        // Refusals are numbered after the states.
+        // Checks that the codes of the refusals, which follow the states, fit in `u32`, too.
         small(table.states * stride + table.rules.len() + 3);
         let mut sets: Vec<(u64, usize)> = Vec::new();
         let mut singles: Vec<Option<usize>> = vec![None; stride];

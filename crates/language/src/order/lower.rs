@@ -1,12 +1,13 @@
 //! Lowers rules to GR(1) safety formulas over conditions that express when a skill is called.
 //!
 //! A skill is *called* in the step in which its condition becomes true: in step 0 if it holds
-//! there, later if it holds and did not hold in the step before. A condition can also restart: then
-//! it is a new call although it held in the step before, as for an operation that may follow
-//! itself. Each rule becomes a variable for the state of the rule's automaton (omitted if there is
-//! only one state), the formulas that define this variable step by step, and the formulas of the
-//! rule. The skills called in one step are one call: it is looked up in the automaton over sets
-//! that [`super::serial`] builds, so every order of the skills has to be allowed.
+//! there, later if it holds and did not hold in the step before. A condition can also restart: it
+//! then counts as a new call although it held in the step before. This is needed for an operation
+//! that can follow itself. Each rule is lowered to a variable for the state of the rule's automaton
+//! (omitted if there is only one state), the formulas that define this variable step by step, and
+//! the formulas of the rule. The skills called in one step form one call. The call is looked up in
+//! the automaton over sets that [`super::serial`] builds, so every order of the skills has to be
+//! allowed.
 
 use super::rule::{self, Alphabet};
 use super::serial::{Serial, StateSetId};
@@ -47,7 +48,8 @@ pub struct LoweredRule {
 pub struct Condition {
     /// The skill is being called.
     pub holds: Expr,
-    /// If `holds` is true in the next step, that is a new call even if it is true in this step.
+    /// If this is true, `holds` in the next step is a new call even if `holds` is true in this
+    /// step, too.
     pub restarts: Expr,
 }
 
@@ -71,8 +73,8 @@ impl Condition {
 /// Conditions, one per skill.
 pub type Conditions<'a> = &'a [Condition];
 
-/// Returns the rules of a level, including the implicit ones: at the level reasonable, one per
-/// skill with a target situation, which forbids its recall.
+/// Returns the rules that apply at a level. At the level reasonable, they include one implicit rule
+/// for each skill with a target situation, which forbids recalls of the skill.
 pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     let own = skills.rules.iter().filter(|r| r.level <= level);
     let mut rules: Vec<Rule> = own.cloned().collect();
@@ -98,7 +100,8 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
 /// of the rule, and `taken` returns whether a variable name is in use.
 ///
 /// # Errors
-/// When the rule's automaton, or the number of its states times the sets of skills, is too large.
+/// When the rule's automaton is too large, or the product of its number of states and the number of
+/// sets of skills.
 pub fn lower(
     skills: &Skills,
     rule: &Rule,
@@ -180,13 +183,13 @@ pub fn lower(
     Ok(lowered)
 }
 
-/// Converts a name to an identifier: replaces all but letters and digits by `_`.
+/// Converts a name to an identifier: replaces all characters except letters and digits by `_`.
 fn identifier(name: &str) -> String {
     let sign = |c: char| if c.is_alphanumeric() { c } else { '_' };
     name.chars().map(sign).collect()
 }
 
-/// Returns the skills that occur in letters with an influence on the rule.
+/// Returns the skills of all letters that have an influence on the rule.
 fn mentioned_skills(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize> {
     let mut mentioned = vec![false; skills.skills.len()];
     for letter in 0..alphabet.len() {
@@ -199,13 +202,14 @@ fn mentioned_skills(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Ve
     (0..mentioned.len()).filter(|s| mentioned[*s]).collect()
 }
 
-/// For every state, the result of each set of skills that may be called in one step: at most one
-/// skill of each component.
+/// For every state, the result of calling each set of skills in one step. A set contains at most
+/// one skill of each component.
 struct Cases {
-    /// For each component that the rule mentions, its skills that the rule mentions.
+    /// For each component that the rule mentions, the skills of this component that the rule
+    /// mentions.
     components: Vec<Vec<usize>>,
-    /// By state: sets of skills as masks, smaller sets first, each with the state after it, `None`
-    /// if the set is refused.
+    /// For each state, the sets of skills as masks, smaller sets first. Each has the state after
+    /// the call; `None` if the call is refused.
     after: Vec<Vec<(u64, Option<StateSetId>)>>,
 }
 
@@ -257,7 +261,7 @@ impl Cases {
         found.expect("all sets were computed; please report this").1
     }
 
-    /// Returns the state after a call; it stays the same if the call is refused.
+    /// Returns an expression for the state after a call. A refused call does not change the state.
     fn next(&self, state: StateSetId, called: &impl Fn(usize) -> Expr) -> Expr {
         self.decide(
             0,
@@ -270,7 +274,8 @@ impl Cases {
         )
     }
 
-    /// Branches component by component on the called skill; branches with equal results are merged.
+    /// Builds nested conditionals that distinguish, component by component, which skill is called.
+    /// Branches with equal results are merged.
     fn decide(
         &self,
         component: usize,
@@ -291,9 +296,9 @@ impl Cases {
         result
     }
 
-    /// Returns the condition that a call is allowed in a state: it contains no minimal refused set.
-    /// A set that contains a refused set is refused, since the skills of the smaller one may come
-    /// first.
+    /// Returns the condition that a call is allowed in a state: the call contains no minimal
+    /// refused set. A set that contains a refused set is refused, too, because the skills of the
+    /// smaller set can come first.
     fn allowed(&self, state: StateSetId, called: &impl Fn(usize) -> Expr) -> Expr {
         let mut least: Vec<u64> = Vec::new();
         for (set, to) in &self.after[state as usize] {

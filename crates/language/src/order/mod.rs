@@ -1,29 +1,29 @@
 //! Skill orders: which calls of a machine's skills may follow which.
 //!
 //! A machine offers *skills* (`Left`, `Down`, `Grip`). Each belongs to a *component* (an axis, a
-//! gripper) and leads it into a *situation* (`left`, `down`, `closed`). *Rules* define what may
-//! follow what; a sequence of calls that keeps all of them is a *skill order*. The terms, and the
-//! levels arbitrary, valid and reasonable, are those of Brandenbourger, Vathoopan and Zoitl,
-//! "Modeling and verifying behavioral constraints for automation systems".
+//! gripper) and leads it into a *situation* (`left`, `down`, `closed`). *Rules* define which calls
+//! can follow which; a sequence of calls that satisfies all rules is a *skill order*. The terms,
+//! and the levels arbitrary, valid and reasonable, are those of Brandenbourger, Vathoopan and
+//! Zoitl, "Modeling and verifying behavioral constraints for automation systems".
 //!
 //! # Meaning
 //!
 //! - A [`supervisor::Call`] is one skill, or several at once. Two skills of one component are never
 //!   called at once.
-//! - Every rule is an automaton over single skills that refuses at the first bad one: a safety
-//!   automaton over prefixes, so that a monitor can use it. Several rules together are the product
-//!   of theirs.
+//! - Every rule is an automaton over single skills. It refuses the first skill that breaks the
+//!   rule, so it is a safety automaton, which a monitor can use. Several rules together are the
+//!   product of their automata.
 //! - Several skills called at once are allowed if every order of calling them one after the other
-//!   is ([`Serialisation::Every`]); afterwards the state is the set of states that some order leads
-//!   to. With [`Serialisation::Some`] one order has to be allowed.
-//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a row,
-//!   it occurs where they follow each other in one call.
-//! - The initial situation ([`Component::initial`]) counts as called where a rule asks whether
-//!   something has been called (`after`, `until`, `before`, `only after`, `between`): a unit that
-//!   starts up has been called `Up`. It does not count as a separate call: `at most` does not count
-//!   it, and nothing follows it directly. It is unknown which of two skills of the initial
-//!   situation was called last: this is treated as if they had been called at once. No event of
-//!   several skills counts as called.
+//!   is allowed ([`Serialisation::Every`]). The state afterwards is the set of all states to which
+//!   these orders lead. With [`Serialisation::Some`], only one order has to be allowed.
+//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a rule
+//!   with `in a row` or `then`, it occurs where these skills follow each other within one call.
+//! - The skills that lead to the initial situation ([`Component::initial`]) count as called where a
+//!   rule depends on whether something has been called (`after`, `until`, `before`, `only after`,
+//!   `between`): if a unit is up at the start, `Up` has been called. They do not count as separate
+//!   calls: `at most` does not count them, and nothing follows them directly. It is unknown which
+//!   of two such skills was called last, so they are treated as if they had been called at once. No
+//!   event of several skills counts as called.
 //! - A *recall*, a skill whose component is already in its target situation, is a call like any
 //!   other. The level reasonable forbids it.
 //!
@@ -48,7 +48,7 @@ pub mod table;
 use linewright_automata::regex::Regex;
 use linewright_core::source::Span;
 
-/// Maximum number of skills in a set: a call is a mask of 64 bits.
+/// Maximum number of skills in a set. It is 64 because a call is a mask of 64 bits.
 pub const MAX_SKILLS: usize = 64;
 
 /// Components, their skills, and rules over them.
@@ -93,7 +93,7 @@ pub struct Component {
     pub name: String,
     /// Doc comment without slashes.
     pub doc: String,
-    /// Situations; empty for a component that never changes, a camera.
+    /// Situations; empty for a component that never changes, such as a camera.
     pub situations: Vec<String>,
     /// Initial situation, as an index into [`Component::situations`]; 0 if there are none.
     pub initial: usize,
@@ -110,7 +110,8 @@ pub struct Skill {
     pub doc: String,
     /// Component, as an index into [`Skills::components`].
     pub component: usize,
-    /// Target situation, as an index into the component's; `None` for a skill that changes nothing.
+    /// Target situation, as an index into the situations of the component; `None` for a skill that
+    /// changes nothing.
     pub effect: Option<usize>,
     /// Source position of the name.
     pub span: Span,
@@ -121,9 +122,9 @@ pub struct Skill {
 pub enum Level {
     /// Every call is allowed.
     Arbitrary,
-    /// All rules without an explicit level are kept.
+    /// All rules without an explicit level apply.
     Valid,
-    /// Recalls are forbidden, and the rules `at reasonable` are kept as well.
+    /// Recalls are forbidden, and the rules `at reasonable` apply as well.
     Reasonable,
 }
 
@@ -156,7 +157,7 @@ pub enum Serialisation {
 pub struct Rule {
     /// Name given by the author, or generated from its position: `order 3`.
     pub name: String,
-    /// Requirement it comes from, such as `R-12`.
+    /// Requirement from which the rule comes, such as `R-12`.
     pub requirement: Option<String>,
     /// Doc comment without slashes.
     pub doc: String,
@@ -169,7 +170,7 @@ pub struct Rule {
     pub deletions: Vec<Deletion>,
     /// Source position of the rule.
     pub span: Span,
-    /// Source text, in one line.
+    /// Source text, on one line.
     pub text: String,
 }
 
@@ -194,9 +195,9 @@ pub enum Kind {
     /// `X before Y`: no `Y` until there has been an `X`. An event in both lists is always
     /// allowed.
     Before {
-        /// Events one of which has to come first.
+        /// Events of which one has to come first.
         first: Vec<Event>,
-        /// Events that are forbidden until then.
+        /// Events that are forbidden until one of `first` has come.
         then: Vec<Event>,
     },
     /// `X only after Y`: every `X` needs a separate `Y` since the last `X`. An `X` that the initial
@@ -204,7 +205,7 @@ pub enum Kind {
     OnlyAfter {
         /// Events that need a preceding event.
         what: Vec<Event>,
-        /// Events one of which has to precede.
+        /// Events of which one has to precede.
         after: Vec<Event>,
     },
     /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most N. The call
@@ -214,8 +215,8 @@ pub enum Kind {
         count: u32,
         /// Counted events.
         of: Vec<Event>,
-        /// Events that begin the count, again after each end; empty if the count begins at the
-        /// start.
+        /// Events that begin the count, for the first time and again after each end; empty if the
+        /// count begins at the start.
         from: Vec<Event>,
         /// Events that end the count; if empty, it never ends.
         until: Vec<Event>,

@@ -1,7 +1,7 @@
 //! A monitor: receives the calls one by one, and decides whether each is allowed.
 //!
 //! It is an interlock: a refused call changes nothing, as if it had not been made. Calls do not
-//! allocate.
+//! allocate memory.
 
 use super::layout::Layout;
 use super::supervisor::{Call, Refusal as Refused, State, Supervisor};
@@ -11,7 +11,8 @@ use linewright_automata::bound::BoundExceeded;
 /// Reason why a call is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RefusalReason {
-    /// A rule forbids the call: index in [`Table::rules`], the first if several forbid it.
+    /// A rule forbids the call. The number is its index in [`Table::rules`], or the index of the
+    /// first rule if several forbid the call.
     Rule(usize),
     /// The skill's component is already in its target situation, and recalls are forbidden.
     Recall,
@@ -26,9 +27,9 @@ pub enum RefusalReason {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[must_use]
 pub enum Verdict {
-    /// The call may be made.
+    /// The call is allowed.
     Allowed,
-    /// The call must not be made.
+    /// The call is refused, and must not be made.
     Refused(RefusalReason),
 }
 
@@ -41,7 +42,7 @@ pub struct Refusal {
     pub why: RefusalReason,
 }
 
-/// The state of a monitor of a table between two calls.
+/// A monitor that looks up each call in a table.
 #[derive(Debug, Clone)]
 pub struct Monitor<'a> {
     table: &'a Table,
@@ -51,7 +52,7 @@ pub struct Monitor<'a> {
 }
 
 impl Verdict {
-    /// Returns whether the call may be made.
+    /// Returns whether the call is allowed.
     pub fn is_allowed(self) -> bool {
         self == Self::Allowed
     }
@@ -83,7 +84,7 @@ impl<'a> Monitor<'a> {
         }
     }
 
-    /// Returns the monitored table.
+    /// Returns the table in which the monitor looks up calls.
     pub fn table(&self) -> &'a Table {
         self.table
     }
@@ -109,12 +110,12 @@ impl<'a> Monitor<'a> {
         self.take(self.at_once(skills))
     }
 
-    /// Returns whether all skills of a mask may be called at once; changes nothing.
+    /// Returns the verdict on calling all skills of a mask at once, without changing the state.
     pub fn allows(&self, skills: u64) -> Verdict {
         self.verdict(self.at_once(skills))
     }
 
-    /// Returns a mask of the skills that may be called next by themselves.
+    /// Returns a mask of the skills that are allowed as the next call, each by itself.
     pub fn allowed(&self) -> u64 {
         let row = &self.layout.single[self.state as usize..][..self.table.skills.len()];
         let allowed = row.iter().enumerate();
@@ -123,8 +124,8 @@ impl<'a> Monitor<'a> {
             .fold(0, |mask, (skill, _)| mask | 1 << skill)
     }
 
-    /// Calls single skills one after the other, and stops at the first refused one, which is
-    /// returned.
+    /// Calls single skills one after the other, and stops at the first refused call. Returns this
+    /// refusal; `None` if all calls are allowed.
     pub fn run(&mut self, calls: &[u8]) -> Option<Refusal> {
         let Layout {
             stride,
@@ -198,7 +199,7 @@ impl<'a> Monitor<'a> {
 }
 
 /// A monitor for rules whose table would be too large: it computes the result of a call on demand
-/// and caches it. So the first call of its kind in a state takes longer, and allocates.
+/// and caches it. So the first call of its kind in a state takes longer, and allocates memory.
 #[derive(Debug, Clone)]
 pub struct LazyMonitor<'a> {
     supervisor: Supervisor<'a>,

@@ -1,5 +1,5 @@
-//! The automaton of a set of rules as graphs: either one flat graph of all states, or one graph per
-//! component and rule, like the paper's hierarchical machine.
+//! The automaton of a set of rules as graphs: either one flat graph of all states, or one graph for
+//! each component and each rule, like the hierarchical machine of Brandenbourger et al.
 //!
 //! In the second form, the components and rules are parallel regions (Harel, "Statecharts", 1987),
 //! and the numbers of states add up instead of multiplying: a call is allowed if every region

@@ -1,4 +1,4 @@
-//! A program of calls, checked before it is loaded: the first refused call, the reason, and
+//! Checks a program of calls before it is loaded: finds the first refused call, the reason, and
 //! possible continuations.
 
 use super::fsm::{MAX_ENTRIES, calls};
@@ -21,12 +21,12 @@ pub struct ProgramCheck {
     pub state: State,
     /// Indices of the rules whose sequence is unfinished in that state.
     pub unfinished: Vec<usize>,
-    /// Shortest calls that complete the program; `None` if it is complete or cannot be completed.
-    /// An error if the search is too large.
+    /// Shortest sequence of calls that completes the program; `None` if it is already complete or
+    /// cannot be completed. An error if the search is too large.
     pub completion: SearchResult,
 }
 
-/// Shortest calls that reach a goal; `None` if the goal is unreachable.
+/// Shortest sequence of calls that reaches a goal; `None` if the goal is unreachable.
 pub type SearchResult = Result<Option<Vec<Call>>, BoundExceeded>;
 
 /// A refused call.
@@ -38,10 +38,11 @@ pub struct Violation {
     pub call: Call,
     /// Reason for the refusal.
     pub refusal: Refusal,
-    /// Shortest calls after which the refused call is allowed; `None` if it never is. An error if
-    /// the search is too large.
+    /// Shortest sequence of calls after which the refused call is allowed; `None` if there is none.
+    /// An error if the search is too large.
     pub detour: SearchResult,
-    /// Calls that are allowed instead: with at most as many skills at once as the refused call.
+    /// Calls that are allowed instead. They have at most as many skills at once as the refused
+    /// call.
     pub instead: Vec<Call>,
 }
 
@@ -123,7 +124,7 @@ pub fn detour(
     })
 }
 
-/// Returns the shortest sequence of single skills after which a program may end; `None` if there is
+/// Returns the shortest sequence of single skills after which a program can end; `None` if there is
 /// no such sequence.
 ///
 /// # Errors
@@ -173,9 +174,10 @@ fn search(
 /// Shortest sequence of calls that distinguishes two sets of rules.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
-    /// Calls; only one of the sets allows the last one, or lets the program end after it.
+    /// The sequence. Only one of the sets allows its last call, or allows the program to end after
+    /// it.
     pub calls: Vec<Call>,
-    /// Whether the first set is the one that allows it.
+    /// Whether this is the first set.
     pub first_allows: bool,
     /// Why the other set refuses the last call; `None` if the sets differ only in whether the
     /// program may end.
@@ -185,7 +187,7 @@ pub struct Difference {
 /// Options for comparing two sets of rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DifferenceOptions {
-    /// Whether a program that may end under only one set counts as a difference.
+    /// Whether a program that can end under only one of the sets counts as a difference.
     pub whole: bool,
     /// Whether to report only what the first set allows and the second refuses.
     pub one_way: bool,
@@ -264,8 +266,8 @@ pub fn difference(
                     limit,
                 });
             }
-            // Checked as soon as the pair is found: a state found later at the same depth may only
-            // have a longer difference.
+            // The end is checked as soon as the pair is found, because otherwise another pair at
+            // the same depth could return a longer difference before.
             let end = ends(first, second, &pair);
             seen.insert(pair.clone());
             found.push((pair, Some((at, *call))));

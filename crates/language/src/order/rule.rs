@@ -2,9 +2,9 @@
 //!
 //! The letters are the skills, followed by every event of several skills that a rule mentions: if
 //! `Left & Down` are called at once, the letters `Left`, `Down` and `Left & Down` come in any
-//! order. The `in a row` rules ignore the letters of events: for them `Left & Down` occurs where
-//! the two skills follow each other in one call, so that no letter separates it from its
-//! predecessor.
+//! order. The `in a row` rules ignore the letters of events, because such a letter would separate
+//! two skills that follow each other directly. For these rules, `Left & Down` occurs where the two
+//! skills follow each other within one call.
 
 use super::standing::{Window, initially_called};
 use super::{Event, Kind, Rule, Skills};
@@ -132,10 +132,10 @@ impl Kind {
 pub struct Automaton {
     /// Automaton over the letters of an [`Alphabet`]. Its state 0 is not always the start.
     pub dfa: Dfa,
-    /// Possible start states: one, or, if the window can be closed or open at the start, the state
-    /// for the closed and the state for the open window, in this order.
+    /// Possible start states. Usually there is one. If the window can be closed or open at the
+    /// start, there are two: the state for the closed window, then the state for the open window.
     pub starts: Vec<u32>,
-    /// Window at the start.
+    /// Window of the rule at the start; the default for a rule without a window.
     pub window: Window,
     /// For every state, the state after the end of the call.
     pub after_call: Vec<u32>,
@@ -159,7 +159,7 @@ impl Automaton {
     }
 
     /// Explores the automaton from several starts; `end_call` returns the state after the end of a
-    /// call. Also returns what `S` each state stands for.
+    /// call. Also returns the value `S` for which each state stands.
     ///
     /// # Errors
     /// When there are more than [`MAX_DFA_STATES`] states, or the deadline has passed.
@@ -171,7 +171,7 @@ impl Automaton {
         end_call: impl Fn(&S) -> S,
         complete: impl Fn(&S) -> bool,
     ) -> Result<(Self, Vec<S>), BoundExceeded> {
-        // The end of a call is an additional letter, so that its successors are found as well.
+        // The end of a call is an additional letter, so that the states after it are found as well.
         let step = |state: &S, letter: usize| {
             if letter == letters {
                 Some(end_call(state))
@@ -292,8 +292,9 @@ fn always_complete<S: Clone + Eq + Hash>(
 /// event of several skills has only been called in part.
 type WordProgress = (usize, usize, u64);
 
-/// Builds the automaton of words in a row. A state is the progress in each word: the suffixes of
-/// the calls that begin a word (Aho and Corasick, "Efficient string matching", 1975, by sets).
+/// Builds the automaton of words in a row. A state is a set of positions in the words, one for each
+/// suffix of the previous calls that is the beginning of a word. These are the states of Aho and
+/// Corasick, "Efficient string matching", 1975, represented as sets.
 fn in_a_row(
     words: &[Vec<Vec<Event>>],
     alphabet: &Alphabet,
@@ -330,7 +331,8 @@ fn in_a_row(
         next.dedup();
         Some(next)
     };
-    // The missing skills of an event have to come in the same call.
+    // Events with missing skills are dropped at the end of a call, because all skills of an event
+    // have to come in the same call.
     let end_call = |reached: &Vec<WordProgress>| {
         let whole = reached.iter().filter(|(_, _, missing)| *missing == 0);
         whole.copied().collect()

@@ -1,8 +1,8 @@
 //! Calls of several skills at once, treated as all orders of calling them one after the other.
 //!
-//! The paper tries all n! orders of n skills. This module computes the same result from sets of
-//! skills: for each set, the states that a rule can be in after exactly these skills have been
-//! called. There are 2^n sets, each computed from those with one skill less (Held and Karp, "A
+//! Brandenbourger et al. try all n! orders of n skills. This module computes the same result from
+//! sets of skills: for each set, the states that a rule can be in after exactly these skills have
+//! been called. There are 2^n sets, each computed from those with one skill less (Held and Karp, "A
 //! dynamic programming approach to sequencing problems", 1962). Since different orders can end in
 //! different states, the state of a rule is a set of states.
 
@@ -18,8 +18,8 @@ pub const MAX_AT_ONCE: usize = 16;
 /// Number of a set of states of a rule's automaton, assigned by [`Serial`].
 pub type StateSetId = u32;
 
-/// A rule's automaton that reads calls instead of letters. Its states are sets of states, found on
-/// demand; the result of each call is cached.
+/// A rule's automaton that reads calls instead of letters. Its states are sets of states of the
+/// rule's automaton, and are found on demand. The result of each call is cached.
 #[derive(Debug, Clone)]
 pub struct Serial {
     dfa: Dfa,
@@ -35,7 +35,7 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// Wraps a rule's automaton. The set number 0 is the one before the first call.
+    /// Wraps a rule's automaton. Set number 0 contains the states before the first call.
     pub fn new(automaton: Automaton, serialisation: Serialisation) -> Self {
         let Automaton {
             dfa,
@@ -70,8 +70,8 @@ impl Serial {
         self.idle[letter]
     }
 
-    /// Returns whether a program may end in this set: in every state of it with
-    /// [`Serialisation::Every`], in some state with [`Serialisation::Some`].
+    /// Returns whether a program can end in this set. With [`Serialisation::Every`], it has to be
+    /// able to end in every state of the set; with [`Serialisation::Some`], in one of them.
     pub fn is_complete(&self, known: StateSetId) -> bool {
         let mut states = self.states(known).iter();
         match self.serialisation {
@@ -133,7 +133,7 @@ impl Serial {
     }
 
     /// Returns, for every subset of these letters (by mask), the states after calling exactly those
-    /// letters. Returns where an order is refused instead, if every order has to be allowed.
+    /// letters. If the call is refused, returns instead where an order of the letters is refused.
     fn reached(
         &self,
         known: StateSetId,
@@ -180,7 +180,7 @@ impl Serial {
     }
 
     /// Returns a refused order of these letters, up to the refused letter; `None` if the call is
-    /// allowed. With [`Serialisation::Some`] this is the given order.
+    /// allowed. With [`Serialisation::Some`], it is the order of `letters`.
     ///
     /// # Errors
     /// When more than [`MAX_AT_ONCE`] letters are not idle.
@@ -196,8 +196,8 @@ impl Serial {
         if refused.state == REFUSED {
             return Ok(Some(self.refused_in_order(known, &letters)));
         }
-        // Backwards from the refusing state: one of the letters called before led to that state,
-        // from a state in which the others had been called.
+        // The order is found backwards from the refusing state: one of the letters called before
+        // led to that state, from a state in which the other letters had been called.
         let mut order = vec![letters[refused.letter]];
         let (mut called, mut state) = (refused.called, refused.state);
         while called != 0 {

@@ -1,8 +1,8 @@
-//! The initial situation counts as called before the start, in some order.
+//! The skills that lead to the initial situation count as called before the start, in some order.
 //!
-//! A unit that starts left and up has been called `Left` and `Up`, in an unknown order. So a window
-//! that one of them opens and the other closes can be open or closed. Several windows are not
-//! independent of each other: one order has to explain the state of all of them. The possible
+//! If a unit is left and up at the start, `Left` and `Up` have been called, in an unknown order. So
+//! a window that one of them opens and the other closes can be open or closed. Several windows are
+//! not independent of each other: one order has to explain the state of all of them. The possible
 //! orders are explored from the last skill backwards.
 
 use super::{Event, Skills};
@@ -10,8 +10,8 @@ use linewright_automata::bound::{BoundExceeded, MAX_DFA_STATES};
 use std::collections::BTreeSet;
 
 /// Returns the skills among these events that count as called at the start, as a mask: those that
-/// lead to the initial situation of their component. Events of several skills are omitted: the
-/// situation does not show what was called at once.
+/// lead to the initial situation of their component. Events of several skills are omitted, because
+/// the situation does not show what was called at once.
 pub fn initially_called(events: &[Event], skills: &Skills) -> u64 {
     let is_initial = |skill: &usize| {
         let skill = &skills.skills[*skill];
@@ -25,12 +25,13 @@ pub fn initially_called(events: &[Event], skills: &Skills) -> u64 {
     initial.fold(0, |mask, skill| mask | 1 << skill)
 }
 
-/// Window of a rule at the start: open or closed by whichever of these skills was called last.
+/// Window of a rule at the start. Whether it is open depends on which of these skills was called
+/// last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Window {
-    /// Skills that leave it open.
+    /// Skills after which the window is open.
     opening: u64,
-    /// Skills that leave it closed.
+    /// Skills after which the window is closed.
     closing: u64,
 }
 
@@ -44,8 +45,8 @@ impl Window {
         }
     }
 
-    /// Returns whether the window can be closed (`false`) and open (`true`) at the start,
-    /// ascending.
+    /// Returns the possible states of the window at the start, in ascending order: `false` for
+    /// closed, `true` for open.
     pub fn starts(self) -> Vec<bool> {
         match (self.opening, self.closing) {
             (0, _) => vec![false],

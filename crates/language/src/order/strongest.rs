@@ -1,26 +1,26 @@
 //! Computation of the strongest level: finds the recalls and detours that can be forbidden without
 //! losing reachable situations.
 //!
-//! The paper leaves the reasonable level to "an engineer understanding the system and not
-//! systematically following a method", and the strongest one to future work. The method here:
+//! Brandenbourger et al. leave the reasonable level to "an engineer understanding the system and
+//! not systematically following a method", and the strongest level to future work. The method here:
 //!
-//! 1. *Candidates.* A recall of a skill: a call when its component is already in its target
-//!    situation. A detour: a word of a few skills with the same result as some shorter word,
-//!    wherever it is allowed (`Left Right`, after which nothing has changed, or
-//!    `Grip Left Release`, which is `Left`). The result is the situation and the states of all
+//! 1. *Candidates.* A recall is a call of a skill whose component is already in the skill's target
+//!    situation. A detour is a word of a few skills that has the same result as some shorter word,
+//!    wherever it is allowed (`Left Right`, after which nothing has changed, or `Grip Left
+//!    Release`, which has the result of `Left`). The result is the situation and the states of all
 //!    rules.
 //! 2. *Test.* A candidate is added as a rule. It is kept if two conditions hold in every state that
-//!    is still reachable: every useful situation that could be reached from there without
-//!    candidates can still be reached (again), and a program can still be completed if it could be
-//!    completed before. Otherwise the call is needed, and the situation that would be lost is
-//!    named.
+//!    is still reachable: every useful situation that some calls could reach from there without
+//!    candidates can still be reached, and a program that could be completed without candidates can
+//!    still be completed. Otherwise the word is needed, and the result names the situation that
+//!    would be lost.
 //! 3. *Order.* Recalls come first, then detours, short ones first, in the order of the skills'
 //!    declaration; each candidate is tested together with all that have been kept. So no rejected
-//!    candidate can be added to the result: it is a maximal set of candidates, though perhaps not
-//!    the only one.
+//!    candidate can be added to the result. The result is a maximal set of candidates, though
+//!    perhaps not the only one.
 //!
-//! The engineer can specify candidates to drop, and which situations are useful; the result is then
-//! recomputed.
+//! The engineer can specify candidates to drop, and the situations that are useful. The result is
+//! then recomputed.
 
 use super::fsm::Fsm;
 use super::supervisor::{Call, Options};
@@ -38,7 +38,7 @@ pub type Pattern = Vec<(usize, usize)>;
 pub struct Request {
     /// Options that select the rules to which candidates are added.
     pub options: Options,
-    /// Maximum number of skills in a detour; with 1 only recalls are tested.
+    /// Maximum number of skills in a detour; if it is 1, only recalls are tested.
     pub longest: usize,
     /// Patterns of useful situations; a situation is useful if it matches one of them. If empty,
     /// all situations are useful.
@@ -50,7 +50,8 @@ pub struct Request {
 /// A candidate rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
-    /// Rule that forbids the word; its text is the rule's source text for the requested level.
+    /// Rule that forbids the word. Its text is source text that declares the rule at the requested
+    /// level.
     pub rule: Rule,
     /// Skills of the word.
     pub word: Vec<usize>,
@@ -65,9 +66,10 @@ pub enum Verdict {
     Kept,
     /// The word is needed: without it, a situation could not be reached after some calls.
     Needed {
-        /// Shortest calls after which a situation or the completion is lost.
+        /// Shortest sequence of calls after which a situation can no longer be reached, or a
+        /// program can no longer be completed.
         after: Vec<Call>,
-        /// Situation that could not be reached; `None` if no program could be completed.
+        /// Situation that could no longer be reached; `None` if no program could be completed.
         lost: Option<Vec<usize>>,
     },
     /// The engineer rejects the rule.
@@ -116,9 +118,9 @@ pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, BoundE
     Ok(search.found)
 }
 
-/// Returns the rule that forbids the recall of a skill, with its text for a level: no call of the
-/// skill after one with the same target situation until a skill leads the component elsewhere.
-/// `None` if the skill has no target situation.
+/// Returns the rule that forbids recalls of a skill: after a skill with the same target situation,
+/// the skill must not be called until another skill leads the component elsewhere. The text of the
+/// rule declares it at `level`. Returns `None` if the skill has no target situation.
 pub(super) fn recall(skills: &Skills, skill: usize, level: Level) -> Option<Rule> {
     let of = &skills.skills[skill];
     let effect = of.effect?;
@@ -226,7 +228,7 @@ fn lengthen(
     }
 }
 
-/// Returns the states that at most `most` calls reach from a state.
+/// Returns the states that can be reached from a state by at most `most` calls.
 fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
     let mut seen = BTreeSet::from([from]);
     let mut last = vec![from];
@@ -245,9 +247,9 @@ fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
     seen
 }
 
-/// Goals that must remain reachable from each state of the level without candidates.
+/// Goals that must remain reachable, because they can be reached without candidates.
 struct ReachabilityGoals {
-    /// Useful situations, ascending.
+    /// Useful situations, in ascending order.
     situations: Vec<Vec<usize>>,
     /// For each state, the situations that can be reached by one call or more; the last bit tells
     /// whether a program can be completed.
@@ -356,7 +358,7 @@ impl Bits {
 /// State of the search.
 struct Search<'a> {
     request: &'a Request,
-    /// The level without candidates.
+    /// Automaton of the level without candidates.
     base: Fsm,
     goals: ReachabilityGoals,
     found: Strongest,
@@ -392,8 +394,9 @@ impl Search<'_> {
     }
 }
 
-/// Returns the verdict on a candidate: `Needed` with the first loss, or `Kept`. Explores pairs of a
-/// state with the candidate and the state of the level without candidates.
+/// Returns the verdict on a candidate: `Needed` with the first loss, or `Kept`. Explores pairs of
+/// states that the same calls reach: one in the automaton with the candidate, one in the automaton
+/// without candidates.
 fn loss(fsm: &Fsm, base: &Fsm, goals: &ReachabilityGoals) -> Verdict {
     let left = reached(fsm, &goals.situations);
     let missing = |&(now, before): &(u32, u32)| {

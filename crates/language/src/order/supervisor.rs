@@ -1,9 +1,9 @@
 //! Decides which calls are allowed: evaluates the rules of a level call by call.
 //!
-//! A [`Supervisor`] answers each call with the state after it or the reason for refusal, in the
-//! sense of Ramadge and Wonham, "Supervisory control of a class of discrete event processes"
-//! (1987): it allows and forbids calls, but makes none itself. It computes states on demand;
-//! [`super::fsm`] computes all of them.
+//! A [`Supervisor`] answers each call with the state after the call or the reason why it is
+//! refused. It is a supervisor in the sense of Ramadge and Wonham, "Supervisory control of a class
+//! of discrete event processes" (1987): it allows and forbids calls, but makes none itself. It
+//! computes states on demand; [`super::fsm`] computes all of them.
 
 use super::rule::{self, Alphabet, Automaton};
 use super::serial::{Serial, StateSetId};
@@ -22,7 +22,7 @@ impl Call {
         Self(1 << skill)
     }
 
-    /// Returns its skills in ascending order.
+    /// Returns the skills of the call in ascending order.
     pub fn skills(self) -> impl Iterator<Item = usize> {
         (0..u64::BITS as usize).filter(move |s| self.0 >> s & 1 == 1)
     }
@@ -41,8 +41,8 @@ pub struct Options {
     pub level: Level,
     /// Condition under which several skills called at once are allowed.
     pub serialisation: Serialisation,
-    /// Whether each rule that lists the transitions that a published model deletes is replaced by
-    /// these deletions.
+    /// Whether to reproduce a published model, which deletes transitions instead of applying rules.
+    /// A rule that lists such deletions is then replaced by them.
     pub paper: bool,
     /// Deadline of the computation.
     pub until: Deadline,
@@ -78,8 +78,8 @@ impl Default for Options {
 pub struct State {
     /// Situation of each component.
     pub situation: Vec<usize>,
-    /// For each rule that applies, the number of the set of states that its automaton may be in; a
-    /// single number for all rules with [`Serialisation::Some`].
+    /// For each rule that applies, the number of the set of states in which its automaton can be.
+    /// With [`Serialisation::Some`], there is a single number for all rules together.
     pub rule_states: Vec<StateSetId>,
 }
 
@@ -118,8 +118,9 @@ pub enum Refusal {
 enum Automata {
     /// One automaton per rule: (index of the rule, automaton).
     Each(Vec<(usize, Serial)>),
-    /// One product for all rules, since all of them have to allow the same order: indices of the
-    /// rules, their automata, their states in each state of the product, and the product.
+    /// One product for all rules, because all of them have to allow the same order. Contains the
+    /// indices of the rules, their automata, their states in each state of the product, and the
+    /// product itself.
     Together {
         rules: Vec<usize>,
         parts: Vec<Dfa>,
@@ -147,7 +148,7 @@ impl<'a> Supervisor<'a> {
     /// Creates a supervisor with the rules of a level.
     ///
     /// # Errors
-    /// When a rule's automaton is too large, or the product if one is needed.
+    /// When the automaton of a rule is too large, or the product of all rules if it is needed.
     pub fn new(skills: &'a Skills, options: Options) -> Result<Self, BoundExceeded> {
         let alphabet = Alphabet::of(skills);
         let kept = skills
@@ -197,8 +198,8 @@ impl<'a> Supervisor<'a> {
         self
     }
 
-    /// Returns the state with the situations of irrelevant components set to 0. Two states that
-    /// agree in it allow the same sequences of calls.
+    /// Returns the state with the situations of irrelevant components set to 0. Two states with the
+    /// same result allow the same sequences of calls.
     pub fn relevant_part(&self, state: &State) -> State {
         let situation = state.situation.iter().zip(&self.is_relevant);
         State {
@@ -340,7 +341,8 @@ impl<'a> Supervisor<'a> {
         recalled.map(|skill| Refusal::Recall { skill })
     }
 
-    /// Returns whether a program may end in this state: no sequence is in the middle of a word.
+    /// Returns whether a program can end in this state, because no sequence is in the middle of a
+    /// word.
     pub fn is_complete(&self, state: &State) -> bool {
         match &self.automata {
             Automata::Each(each) => {
@@ -399,7 +401,7 @@ fn without_events(mut order: Vec<usize>, skills: &Skills) -> Vec<usize> {
 }
 
 /// Returns the rule that refuses first when these letters come in the given order, and the letters
-/// up to there.
+/// up to the refused one.
 fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<usize>) {
     let mut states = from.to_vec();
     for (at, letter) in letters.iter().enumerate() {

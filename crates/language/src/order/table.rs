@@ -16,7 +16,7 @@ pub const RECALL: u16 = u16::MAX;
 /// Entry of [`Table::reasons`]: two of the skills belong to one component.
 pub const TOGETHER: u16 = u16::MAX - 1;
 
-/// The result of every call from every state.
+/// The result of every call in every state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
     /// Name of the skill set: `PickAndPlaceUnit`.
@@ -46,9 +46,9 @@ pub struct Table {
 pub struct RuleCitation {
     /// Name of the rule.
     pub name: String,
-    /// Requirement it comes from, such as `R-12`.
+    /// Requirement from which the rule comes, such as `R-12`.
     pub requirement: Option<String>,
-    /// Text of the rule, in one line.
+    /// Text of the rule, on one line.
     pub text: String,
 }
 
@@ -64,7 +64,7 @@ impl RuleCitation {
 }
 
 impl Table {
-    /// Computes the result of each of these calls from every reachable state. Components whose
+    /// Computes the result of each of these calls in every reachable state. Components whose
     /// situation has no influence on later calls are not tracked.
     ///
     /// # Errors

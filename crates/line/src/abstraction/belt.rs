@@ -1,10 +1,10 @@
-//! Derives from a belt's contract how much room on it is certain.
+//! Derives from a belt's contract how many parts the belt certainly has room for.
 //!
-//! A belt need not close gaps. A belt that moves as a whole stands still while its last part waits
-//! to be taken; a part on its first place then keeps others off, even if there is room in the
-//! middle. The abstraction needs one number: with fewer parts than that, the belt accepts another
-//! one even then. The number is derived from the contract, as is the fact that parts reach the end
-//! at all.
+//! A belt need not close gaps. For example, a belt that moves as a whole stands still while its
+//! last part waits to be taken. A part on its first place then prevents others from coming on, even
+//! if there is room in the middle. The abstraction needs one number: with fewer parts than this on
+//! it, the belt accepts another one even while the first part waits. The number is derived from the
+//! contract, and so is the guarantee that parts reach the end at all.
 
 use super::words::{all, count, is};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
@@ -15,8 +15,8 @@ use linewright_solver::game::{Budget, Limit, Limits, Rule, RuleKind, RunQuery, R
 /// Room on a belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Room {
-    /// With fewer parts on it, another one comes on even while the first one waits; always at least
-    /// 1.
+    /// With fewer parts than this on the belt, another one comes on even while the first one waits.
+    /// The number is at least 1.
     Sure(u32),
     /// The contract does not guarantee that an empty belt takes a part.
     TakesNone,
@@ -35,7 +35,8 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     let loaded = on(belt.load).and(on(belt.ready).not());
     let blocked = loaded.clone().and(on(belt.unload_ready).not());
     let with = |n: usize| held.clone().equals(Expr::Const(n as i64));
-    // From some step on for ever: this is how each of these guarantees would be violated.
+    // Each guarantee would be violated by a run in which one of these conditions holds for ever
+    // from some step on.
     let last = belt.places.last().map_or(Expr::FALSE, |last| on(*last));
     let some = Expr::binary(BinaryOp::Gt, held.clone(), Expr::Const(0));
     let mut bad = vec![
@@ -60,7 +61,8 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     if may_stay(0, &[])? {
         return Ok(Room::BringsNone);
     }
-    // The place after an empty belt is ready to take; only here may the contract's justice be used.
+    // In this question, the next place is ready to take parts. Only in this case, the contract's
+    // justice is used.
     if may_stay(1, &again)? {
         return Ok(Room::TakesNone);
     }
@@ -79,8 +81,8 @@ fn justice(expr: Expr) -> Rule {
     }
 }
 
-/// The wires of a machine and its components' inputs, their invariants, and the justice of all
-/// contracts.
+/// Returns the variables of a machine (its wires and its components' inputs), the rules of all its
+/// contracts except justice, and their justice.
 fn contract(machine: &Machine) -> (Vec<Variable>, Vec<Rule>, Vec<Rule>) {
     let new = |name: String, domain: &Domain| Variable {
         name,

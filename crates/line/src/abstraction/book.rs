@@ -18,8 +18,8 @@ pub(super) struct ClaimBuilder<'a> {
 }
 
 impl ClaimBuilder<'_> {
-    /// Adds a lemma with the formulas it is proved from, or the formulas close to it if `from` is
-    /// empty; returns its reference.
+    /// Adds a lemma and returns its reference. The lemma is proved from the formulas in `from` or,
+    /// if there are none, from the formulas close to it.
     pub(super) fn lemma(
         &mut self,
         place: usize,
@@ -45,7 +45,7 @@ impl ClaimBuilder<'_> {
         at
     }
 
-    /// Sets which formulas to try first in the proof of a goal.
+    /// Adds formulas to try first in the proof of the goal called `name`.
     pub(super) fn rests_on(&mut self, name: &str, from: BTreeSet<FormulaRef>) {
         let found = self.claim.goals().find(|(_, f)| f.name == name);
         if let Some((at, _)) = found {
@@ -72,8 +72,8 @@ impl ClaimBuilder<'_> {
         })
     }
 
-    /// Given formulas of a place: those that mention only its own variables and the environment
-    /// variables in its contract.
+    /// The given formulas about a place: those that mention only its own variables and the
+    /// environment variables in its contract.
     pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
         let part = &self.system.components[place];
         let mut known: BTreeSet<_> = part.drives.iter().copied().collect();

@@ -1,5 +1,5 @@
-//! In a state of the abstraction, follows who waits for whom until a cycle closes or the chain
-//! ends at something that never comes.
+//! Explains a state of the abstraction: follows who waits for whom until a cycle closes or the
+//! chain ends at something that never comes.
 
 use super::Abstraction;
 use super::shape::PlaceKind;
@@ -15,7 +15,7 @@ pub(super) struct Chain {
     pub(super) places: Vec<usize>,
     /// The reason for each place, in words.
     pub(super) texts: Vec<String>,
-    /// Types of the parts that wait in these places, where a part waits.
+    /// By place: the type of the part that waits there, if any.
     pub(super) waiting: Vec<Option<usize>>,
     /// Whether the last place waits for the first.
     pub(super) cycle: bool,
@@ -25,13 +25,13 @@ pub(super) struct Chain {
 #[derive(Debug, Default)]
 struct Reason {
     text: String,
-    /// Type of the part that waits in it, if one does.
+    /// Type of the part that waits in the place, if any.
     waiting: Option<usize>,
-    /// The place that causes this.
+    /// The place that it waits for, if any.
     next: Option<usize>,
 }
 
-/// A state to examine.
+/// A state of an abstraction.
 pub(super) struct View<'a> {
     pub(super) abstraction: &'a Abstraction,
     pub(super) state: &'a [i64],
@@ -147,7 +147,8 @@ impl View<'_> {
                 }
                 let part = tasks[task].bill[line].0;
                 let text = format!("{name} waits for {}", an(&shape.types[part]));
-                // A queue that has such a part, but not in front, or a place that would bring it.
+                // Prefers a place that holds such a part (which is not in front there) to one that
+                // would bring it.
                 let mut from = shape.places[place].from.clone();
                 from.retain(|from| shape.between(*from, place).any(|p| p == part));
                 from.sort_by_key(|from| !self.contains(*from, part));

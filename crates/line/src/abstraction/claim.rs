@@ -1,10 +1,10 @@
 //! The claim about a line, and what it takes as given.
 //!
-//! Given is what no place can guarantee: that parts come in at all, and that the properties of
-//! parts send them each way again and again, so that a replacement is eventually good. This does
-//! not promise that parts arrive anywhere: a decision waits until it is used, and if it is never
-//! needed again, it may say so. (That is a guess about the future with one right answer in every
-//! run: a place that says so and is asked again cannot proceed.)
+//! What is given is what no place can guarantee: parts come in at all, and the properties of parts
+//! send them each way again and again, so that a replacement is eventually good. This does not
+//! promise that parts arrive anywhere: a decision stays until it is used, and if it is never needed
+//! again, it can be `no_more`. (This value is a guess about the future, with one right answer in
+//! every run: a place that needs the decision after all cannot proceed.)
 
 use super::lemmas;
 use super::parts::formula;
@@ -135,7 +135,7 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
     goal
 }
 
-/// Number of parts in a place that can lose some.
+/// Number of parts in a place; `None` for supplies and ends, which cannot lose any.
 fn load(model: Model<'_>, place: usize) -> Option<Expr> {
     let vars = model.vars(place);
     if let Some(phase) = vars.phase {
@@ -148,8 +148,8 @@ fn load(model: Model<'_>, place: usize) -> Option<Expr> {
     }
 }
 
-/// What was there and what arrives is there afterwards, except for what goes to one other place;
-/// only waiting parts are taken.
+/// No part is lost: what was in the place and what arrives is there afterwards, except for what
+/// goes to one other place. Only waiting parts are taken.
 fn kept(model: Model<'_>, place: usize) -> Expr {
     let mut rules = Vec::new();
     for to in model.shape.after(place) {
@@ -180,7 +180,7 @@ fn kept(model: Model<'_>, place: usize) -> Expr {
     all(rules)
 }
 
-/// Every part that is taken has room.
+/// There is room for every part that is taken.
 fn fits(model: Model<'_>, place: usize) -> Expr {
     let vars = model.vars(place);
     let mut rules = Vec::new();
@@ -207,7 +207,7 @@ fn fits(model: Model<'_>, place: usize) -> Expr {
     all(rules)
 }
 
-/// Parts in a place proceed.
+/// The goals that parts in a place proceed: name, description and formula of each.
 fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)> {
     let vars = model.vars(place);
     let name = &model.shape.places[place].name;
@@ -236,7 +236,7 @@ fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)>
     found
 }
 
-/// Something can move here, or is in work.
+/// Something can move at this place, or a part is in work.
 fn can_go_on(model: Model<'_>, place: usize) -> Expr {
     let vars = model.vars(place);
     let mut ways = Vec::new();

@@ -1,8 +1,8 @@
-//! Decides whether a claim holds of all places together from a single exploration of the reachable
+//! Decides whether a claim holds for all places together from a single exploration of the reachable
 //! states: the quick answer for `check`.
 //!
-//! The table of what rests on what comes from [`linewright_algebra::proof::prove`], which asks
-//! these questions repeatedly with formulas left out.
+//! [`linewright_algebra::proof::prove`] additionally determines which formulas each proof needs: it
+//! decides the same questions repeatedly, each time with some formulas left out.
 
 use super::Abstraction;
 use super::parts::formula;
@@ -24,11 +24,11 @@ pub struct Verdict {
     /// Undecided goals. Only justice can be undecided; without a decision on safety there is no
     /// verdict.
     pub undecided: Vec<FormulaRef>,
-    /// The limit at which justice was given up; `None` if it was not examined because the line is
-    /// too large.
+    /// The limit that ended the justice check. `None` if no limit was reached, or if justice was
+    /// not checked because the line is too large.
     pub limit: Option<Limit>,
-    /// The open goals were found with parts that may move late; whether they are open when parts
-    /// move at once was not decided.
+    /// Whether the open goals were found with parts that can move late, and it was not decided
+    /// whether they are also open if parts move at once.
     pub late: bool,
 }
 
@@ -39,11 +39,11 @@ impl Verdict {
     }
 }
 
-/// Maximum number of variables if parts move at once. There, everything that takes time waits for
-/// everything that does not, so no goal involves only a few places.
+/// Maximum number of variables if parts move at once. In that case, everything that takes time
+/// waits for everything that does not, so no goal involves only a few places.
 const MAX_AT_ONCE_VARIABLES: usize = 24;
 
-/// The rules of a line: guarantees of all places, and what is given. Rules of the goal follow them.
+/// The rules of a line, in this order: the guarantees of all places, what is given, and the goal.
 fn rules(abstraction: &Abstraction) -> Vec<Rule> {
     let sides = abstraction
         .system
@@ -57,9 +57,9 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
         .collect()
 }
 
-/// Decides whether a line is sound, and returns the abstraction that shows it. Justice, and the
-/// case in which parts move at once, is examined only for lines with at most `most_variables`
-/// variables; for larger ones it stays undecided.
+/// Decides whether a line is sound. Returns the verdict, and the abstraction that shows it.
+/// Justice, and the case in which parts move at once, are examined only for lines with at most
+/// `most_variables` variables; for larger lines, justice stays undecided.
 ///
 /// # Errors
 /// Returns the reason if it was not decided.
@@ -106,9 +106,9 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
     Ok(verdict)
 }
 
-/// Whether some run keeps what all places guarantee and what is given. Otherwise these contradict
-/// each other, and everything would follow from them. [`examine`] asks this where parts move at
-/// once.
+/// Whether some run satisfies what all places guarantee and what is given. If there is none, these
+/// contradict each other, and any claim would follow from them. [`examine`] checks this for the
+/// case in which parts move at once.
 ///
 /// # Errors
 /// Returns the limit that was reached.
@@ -127,7 +127,7 @@ pub fn has_a_run(abstraction: &Abstraction, limits: &Limits) -> Result<bool, Lim
     Ok(!proof.open.is_empty())
 }
 
-/// The system with places that keep their guarantees whatever others do.
+/// The system with places that keep their guarantees whatever the others do.
 fn without_assumptions(system: &System) -> System {
     let mut alone = system.clone();
     for part in &mut alone.components {
@@ -136,7 +136,7 @@ fn without_assumptions(system: &System) -> System {
     alone
 }
 
-/// The goals of justice.
+/// The justice goals that are not lemmas.
 fn liveness(claim: &Claim) -> impl Iterator<Item = FormulaRef> {
     let goals = claim.goals().map(|(at, _)| at);
     goals.filter(|at| at.kind == RuleKind::Justice && !claim.lemmas.contains_key(at))
@@ -169,11 +169,11 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
     Ok(verdict)
 }
 
-/// Decides justice goal by goal: a proof goes from near places to far ones, so most goals involve
-/// only a few places.
+/// Decides the justice goals one by one. The search for a proof goes from near places to far ones,
+/// so most goals involve only a few places.
 fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     let claim = &abstraction.claim;
-    // Results of safety are known.
+    // The safety goals hold, so they can be used.
     let alone = without_assumptions(&abstraction.system);
     let safety = claim
         .goals()
@@ -193,7 +193,7 @@ fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
 }
 
 impl Abstraction {
-    /// The goal formula at a reference.
+    /// The goal formula to which `at` refers.
     pub fn goal(&self, at: FormulaRef) -> &linewright_core::gr1::Formula {
         &list(&self.claim.goal, at.kind)[at.index]
     }

@@ -21,7 +21,7 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
             Refutation::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
             Refutation::Lasso(lasso) => {
                 // If one place does not proceed, the places before it do not either, and orders are
-                // not finished.
+                // not finished. Therefore, only the first of these goals is reported.
                 if !std::mem::replace(&mut shown, true) {
                     let run: Vec<&Vec<i64>> = lasso.prefix.iter().chain(&lasso.cycle).collect();
                     found.push(unfinished(line, abstraction, open, &run, &lasso.cycle));
@@ -40,8 +40,8 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
     if verdict.late {
         for finding in &mut found {
             finding.notes.push(
-                "a part may move later than it could in this; whether it comes to that when all move at once was not decided \
-                 in time"
+                "in this example, a part can move later than it could; whether this also happens if all parts move at once \
+                 was not decided in time"
                     .to_owned(),
             );
         }
@@ -91,7 +91,7 @@ fn unfinished(
     let goal = abstraction.goal(open.what);
     let state = cycle.first().map_or(&[][..], Vec::as_slice);
     let view = View { abstraction, state };
-    // Whatever never moves in the cycle is stuck.
+    // A place is stuck if nothing comes or leaves in the cycle.
     let model = abstraction.model();
     let quiet = (0..abstraction.shape.places.len()).filter(|place| {
         cycle.iter().all(|s| {
@@ -115,7 +115,7 @@ fn unfinished(
     } else {
         (
             codes::LINE_UNFINISHED,
-            format!("this may fail: {}", goal.text),
+            format!("this might fail: {}", goal.text),
         )
     };
     if !chain.texts.is_empty() {
@@ -136,7 +136,7 @@ fn unfinished(
         .with_help(advice(line, abstraction, &chain))
 }
 
-/// Number of parts per way in a run.
+/// Describes how many parts move on each way in a run.
 fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     let model = abstraction.model();
     let shape = model.shape;
@@ -144,7 +144,7 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     for (to, place) in shape.places.iter().enumerate() {
         for from in &place.from {
             let taken = model.taken(*from, to);
-            // A part taken in one step has moved by the next.
+            // A part taken in one step has moved by the next, so the last state does not count.
             let moved = run.iter().take(run.len().saturating_sub(1));
             let count = moved.filter(|state| holds(&taken, state, &[])).count();
             if count > 0 {
@@ -166,7 +166,7 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     }
 }
 
-/// The remedy for what a chain shows.
+/// The remedy for the problem that a chain shows.
 fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     let shape = &abstraction.shape;
     if !chain.cycle {
@@ -210,8 +210,8 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     }
 }
 
-/// How to admit fewer of the parts that wait in a cycle, and of their components. A limit below
-/// the number of parts in one product would leave the line without products.
+/// How to admit fewer of the parts that wait in a cycle, and of their components. A limit below the
+/// number of parts in one product is not suggested, because the line could make no products then.
 fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     let mut found = Vec::new();
     for (place, part, most) in supplies(line, shape) {

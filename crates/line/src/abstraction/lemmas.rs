@@ -1,11 +1,11 @@
-//! Lemmas about single places that help to prove a line: formulas that hold of most lines and that
-//! the claim may rest on where they do.
+//! Lemmas about single places that help to prove a line. They hold for most lines; where they do,
+//! the proof of the claim can use them.
 //!
 //! A cycle of places keeps moving because it is never full, and a station that joins parts keeps
-//! working because its components arrive. Each lemma involves few places; without them, anything
-//! that passes through a cycle could only be proved for all places at once. If a supply limits the
-//! number of its parts in the line, the lemmas rest on a proof in many small steps
-//! ([`super::limited`]).
+//! working because its components arrive. Each lemma involves only a few places. Without the
+//! lemmas, a goal about parts that pass through a cycle could only be proved for all places at
+//! once. If a supply limits the number of its parts in the line, the lemmas rest on a proof in many
+//! small steps ([`super::limited`]).
 
 use super::book::ClaimBuilder;
 use super::limited::LimitedSupply;
@@ -36,8 +36,8 @@ pub(super) fn add(model: Model<'_>, line: &Line, system: &System, claim: &mut Cl
     }
 }
 
-/// For every component that a station joins, except limited ones: its places are filled again and
-/// again. Returns the lemmas by place.
+/// Adds a lemma for every component that a station joins, except limited ones: the component's
+/// places are filled again and again. Returns pairs of a place and its lemma.
 fn components(
     book: &mut ClaimBuilder<'_>,
     limited: &[LimitedSupply<'_>],

@@ -1,18 +1,18 @@
 //! Lines in which a supply limits the number of its parts: a proof in small steps that it keeps
 //! admitting new parts.
 //!
-//! Whether a joining station gets its next part of a limited type depends on everything: the part
-//! comes when the supply may release it, which is when others have left the line, which they do
-//! once they were joined. Proved for all places at once, this takes minutes and explains nothing.
+//! Whether a joining station receives its next part of a limited type depends on the whole line:
+//! the supply can release the part only when others have left the line, and they leave it only
+//! after they have been joined. A proof for all places at once takes minutes and explains nothing.
 //! The argument in words is short:
 //!
 //! 1. The supply's count equals the number of its parts in the places.
-//! 2. While the supply releases nothing, one place after the other, from the first on, becomes free
-//!    of its parts and stays free.
-//! 3. When all are free, the count is 0, and the supply releases a part. So it releases parts again
-//!    and again.
-//! 4. So the first place receives a part again and again, then the next one, up to the station that
-//!    joins it.
+//! 2. While the supply releases nothing, one place after the other, starting with the first,
+//!    becomes free of its parts and stays free.
+//! 3. When all places are free, the count is 0, and the supply releases a part. So it releases
+//!    parts again and again.
+//! 4. So the first place receives a part again and again, then the next place, and so on up to the
+//!    station that joins the part.
 //!
 //! Each step is one lemma about one place and its predecessor.
 
@@ -27,24 +27,24 @@ use linewright_core::gr1::{BinaryOp, Expr, VarId};
 use linewright_solver::game::RuleKind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A supply that limits the number of its parts in the line, and where they may be.
+/// A supply that limits the number of its parts in the line, and where these parts can be.
 pub(super) struct LimitedSupply<'a> {
     model: Model<'a>,
     supply: usize,
     part: usize,
     in_line: VarId,
     most: u32,
-    /// Places where its parts may be. Each follows its predecessors, unless parts may go round in a
+    /// Where its parts can be. Each stage follows its predecessors, unless parts can go round in a
     /// cycle.
     stages: Vec<Stage>,
-    /// Whether its parts may go round in a cycle.
+    /// Whether its parts can go round in a cycle.
     is_round: bool,
 }
 
 /// A part type at a place.
 struct Stage {
     at: Spot,
-    /// Predecessors, as indices into the list; empty means the supply.
+    /// Predecessors, as indices into `stages`; empty if parts come from the supply.
     from: Vec<usize>,
 }
 
@@ -53,12 +53,12 @@ struct Stage {
 struct Spot {
     place: usize,
     kind: usize,
-    /// If it waits to be joined: the task and the line of its bill.
+    /// If the part waits to be joined: the task and the line of the task's bill.
     bill: Option<(usize, usize)>,
 }
 
 impl<'a> LimitedSupply<'a> {
-    /// Analyzes a supply with a limit; `None` if it has none.
+    /// Analyzes a supply with a limit; `None` if the supply has no limit.
     pub fn new(model: Model<'a>, supply: usize) -> Option<Self> {
         let (in_line, most) = model.vars(supply).in_line?;
         let PlaceKind::Supply { part, .. } = model.shape.places[supply].kind else {
@@ -113,7 +113,8 @@ impl<'a> LimitedSupply<'a> {
                 .any(|s| (s.at.place, s.at.bill) == wanted)
     }
 
-    /// Adds its lemmas. `others` are lemmas about other components, by place.
+    /// Adds the lemmas about the supply. `others` are pairs of a place and a lemma about another
+    /// component there.
     pub fn add(&self, book: &mut ClaimBuilder<'_>, others: &[(usize, FormulaRef)]) {
         let cycles = self.cycles();
         let joins = !self.is_round && self.stages.iter().any(|s| s.at.bill.is_some());
@@ -148,7 +149,7 @@ impl<'a> LimitedSupply<'a> {
         sum(there.map(|s| self.weighed(s.at.kind, self.held(&s.at))))
     }
 
-    /// The supply's count equals the number of its parts in the places.
+    /// Adds the lemma that the supply's count equals the number of its parts in the places.
     fn counts(&self, book: &mut ClaimBuilder<'_>) -> FormulaRef {
         let (model, part) = (self.model, &self.model.shape.types[self.part]);
         let name = &model.shape.places[self.supply].name;
@@ -207,7 +208,8 @@ impl<'a> LimitedSupply<'a> {
         )
     }
 
-    /// Sets of places within which its parts may move from each place to every other.
+    /// The cycles in which its parts can be: sets of places in which parts can move from each place
+    /// to every other.
     fn cycles(&self) -> BTreeSet<BTreeSet<usize>> {
         let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
         let mut cycles = all_cycles(self.model);
@@ -215,7 +217,7 @@ impl<'a> LimitedSupply<'a> {
         cycles
     }
 
-    /// A cycle holds no more of its parts than the line.
+    /// Adds the lemma that a cycle never holds more of the supply's parts than the limit.
     fn never_overrun(
         &self,
         book: &mut ClaimBuilder<'_>,
@@ -249,8 +251,8 @@ impl<'a> LimitedSupply<'a> {
 
     // ---- 2. and 3. the line empties, then new parts come ------------------------------
 
-    /// While the supply releases nothing, place after place becomes free of its parts and stays
-    /// free. Returns the last of these lemmas.
+    /// Adds the lemmas that, while the supply releases nothing, place after place becomes free of
+    /// its parts and stays free. Returns the last of these lemmas.
     fn drains(
         &self,
         book: &mut ClaimBuilder<'_>,
@@ -311,7 +313,7 @@ impl<'a> LimitedSupply<'a> {
         drains
     }
 
-    /// The supply releases a part again and again.
+    /// Adds the lemma that the supply releases a part again and again.
     fn gives_again(
         &self,
         book: &mut ClaimBuilder<'_>,
@@ -340,7 +342,8 @@ impl<'a> LimitedSupply<'a> {
 
     // ---- 4. on to the stations that join it -----------------------------------------------------
 
-    /// Released parts reach place after place, up to the stations that join them.
+    /// Adds the lemmas that released parts reach place after place, up to the stations that join
+    /// them.
     fn comes(&self, book: &mut ClaimBuilder<'_>, gives: FormulaRef) {
         let mut wanted: BTreeSet<usize> = (0..self.stages.len())
             .filter(|i| self.stages[*i].at.bill.is_some())
@@ -401,8 +404,8 @@ impl<'a> LimitedSupply<'a> {
         }
     }
 
-    /// Formulas to search for the proof of a lemma about a stage: the contract of its place, and
-    /// that no part is lost there or in its predecessors.
+    /// The candidates for the proof of a lemma about a stage: the guarantees of its place, and the
+    /// goals that no part is lost there or in its predecessors.
     fn near(&self, book: &ClaimBuilder<'_>, stage: &Stage) -> BTreeSet<FormulaRef> {
         let place = stage.at.place;
         let mut from: BTreeSet<FormulaRef> = book.guarantees(place).collect();
@@ -448,7 +451,7 @@ impl<'a> LimitedSupply<'a> {
     }
 }
 
-/// Where a part of a type may go next from a place.
+/// Where a part of a type can go next from a place.
 fn spots_after(model: Model<'_>, place: usize, kind: usize) -> impl Iterator<Item = Spot> {
     let to = model.shape.to(place, kind).iter();
     to.flat_map(move |to| {
@@ -481,7 +484,7 @@ fn spots_after(model: Model<'_>, place: usize, kind: usize) -> impl Iterator<Ite
     })
 }
 
-/// Where a part may go next.
+/// Where a part can go next.
 fn after(model: Model<'_>, at: Spot) -> Vec<Spot> {
     let Some((task, _)) = at.bill else {
         return spots_after(model, at.place, at.kind).collect();
@@ -496,7 +499,7 @@ fn after(model: Model<'_>, at: Spot) -> Vec<Spot> {
     }]
 }
 
-/// Sets of places within which parts may move from each place to every other.
+/// Sets of places in which parts can move from each place to every other.
 fn all_cycles(model: Model<'_>) -> BTreeSet<BTreeSet<usize>> {
     let reached = |from: usize| {
         let mut seen = BTreeSet::new();

@@ -12,28 +12,30 @@
 //!
 //! # At once, or at some time
 //!
-//! [`decide`] first examines an abstraction in which a part that can move eventually does. Only if
-//! that has a counterexample, which may never occur in the runner, it examines one in which nothing
-//! that takes time ends before every part that can move has moved; only a part that is overdue at a
-//! source, or has just been brought to a store, may come before that. Both order parts by how long
-//! they have waited. In the second one an instant in which parts move for ever would contradict
-//! that anything takes time, and everything would follow: such lines are not decided, and what is
-//! proved counts only if the abstraction [has a run](has_a_run).
+//! [`examine`] first uses an abstraction in which a part that can move eventually does. A
+//! counterexample in it might never occur in the runner. So if there is one, a second abstraction
+//! is used, in which nothing that takes time ends before every part that can move has moved. The
+//! only exceptions are a part that is overdue at a source and a part that has just been brought to
+//! a store. Both abstractions order parts by how long they have waited.
+//!
+//! In the second abstraction, an instant in which parts move for ever would contradict that events
+//! take time, and any claim would follow. Such lines are not decided, and a proof counts only if
+//! the abstraction [has a run](has_a_run).
 //!
 //! # What is left out, and what that means
 //!
-//! - *Times.* Service, travel and the time between two supplies take some time, and it ends. What
-//!   is proved holds for all times; a counterexample can happen with some times, perhaps not with
-//!   those of the line. Setup, breakdowns, repairs and shifts only take time.
-//! - *Properties.* Which of several routes a part takes is open each time, and each is taken again
-//!   and again. [`super::calls`] leaves out the routes that no part takes, and determines which of
-//!   the others chance guarantees; the rest are premises.
+//! - *Times.* Service, travel and the time between two supplies take some time and end. What is
+//!   proved holds for all durations; a counterexample can occur with some durations, but perhaps
+//!   not with those of the line. Setup, breakdowns, repairs and shifts only take time.
+//! - *Properties.* Which of several routes a part takes is left open each time, and each route is
+//!   taken again and again. [`super::calls`] omits the routes that no part takes, and determines
+//!   for which of the others chance guarantees this. For the rest, it is a premise.
 //! - *Numbers of orders.* A source on order has the next part as soon as the previous one has left,
-//!   no source stops after a number of parts, and stock does not run out. Where this does not hold,
-//!   it is a premise.
-//! - *Calls.* Every call of a station is answered; [`super::calls`] shows it.
+//!   no source stops after a number of parts, and stock does not run out. Where this does not hold
+//!   for the line, it is a premise.
+//! - *Calls.* Every call of a station is answered; [`super::calls`] proves this.
 //!
-//! If parts of one type may go round in a cycle, each of them is assumed to leave it eventually;
+//! If parts of one type can go round in a cycle, each of them is assumed to leave it eventually;
 //! the claim is then that all places proceed.
 
 mod belt;
@@ -64,20 +66,20 @@ use linewright_language::contract::line::Line;
 /// The abstraction of a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Abstraction {
-    /// Its places.
+    /// The places of the line.
     pub shape: Shape,
-    /// Their variables.
+    /// The variables of the places.
     pub vocabulary: Vocabulary,
-    /// Their contracts.
+    /// The contracts of the places.
     pub system: System,
     /// What is to be proved.
     pub claim: Claim,
 }
 
 impl Abstraction {
-    /// Abstracts a line accepted by the resolver; parts that can move do so eventually. This keeps
-    /// every place's contract local to itself and its neighbors, and allows slightly more than the
-    /// runner does: of two sources that take turns, one may be late.
+    /// Abstracts a line accepted by the resolver. A part that can move does so eventually. The
+    /// contract of a place therefore involves only the place and its neighbors, and allows slightly
+    /// more than the runner does: of two sources that take turns, one can be late.
     ///
     /// # Errors
     /// Returns the reason if something in the line has no abstraction, or would make it too large.
@@ -85,8 +87,8 @@ impl Abstraction {
         Self::with(line, false)
     }
 
-    /// Like `of`, but parts move at once when they can, as in the runner: everything that takes
-    /// time waits for that.
+    /// Like [`Abstraction::of`], but parts move at once when they can, as in the runner: everything
+    /// that takes time waits until nothing can move.
     ///
     /// # Errors
     /// As [`Abstraction::of`].

@@ -1,9 +1,9 @@
 //! What every place assumes of its neighbors and guarantees: one Moore contract per place.
 //!
-//! That a station's service ends, and that parts on a belt reach its end, are guarantees for which
-//! their machines' contracts are proved; how long that takes is left out. That a place with room
-//! takes a waiting part follows from how the runner moves parts (see [`crate`]): at once, which in
-//! steps of unknown length is "eventually".
+//! Two guarantees rest on proofs about the machines' contracts: a station's service ends, and parts
+//! on a belt reach its end. How long this takes is left out. A third guarantee follows from how the
+//! runner moves parts (see [`crate`]): a place with room takes a waiting part. The runner moves it
+//! at once; in steps of unknown length, this means "eventually".
 
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
@@ -13,7 +13,7 @@ use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Timing, VarId};
 use linewright_core::source::Span;
 use linewright_language::contract::line::Line;
 
-/// A formula with a name and its description.
+/// Creates a formula with a name and a description.
 pub(super) fn formula(span: Span, name: &str, text: &str, expr: &Expr) -> Formula {
     Formula {
         defines: false,
@@ -25,8 +25,8 @@ pub(super) fn formula(span: Span, name: &str, text: &str, expr: &Expr) -> Formul
     }
 }
 
-/// The contract of a place. With `settled`, everything that takes time waits until everything that
-/// moves at once has moved.
+/// The contract of a place. If `settled` is given, everything that takes time waits until this
+/// expression holds, that is, until everything that moves at once has moved.
 pub(super) fn part(
     model: Model<'_>,
     line: &Line,
@@ -107,7 +107,7 @@ impl Writer<'_> {
         &self.model.shape.places[place].name
     }
 
-    /// Assumptions about the neighbors.
+    /// Adds the assumptions about the neighbors.
     fn neighbours(&mut self) {
         let (model, place) = (self.model, self.place);
         for from in &model.shape.places[place].from {
@@ -146,8 +146,9 @@ impl Writer<'_> {
         }
     }
 
-    /// Events that take time happen only when nothing moves at once any more. A supply whose next
-    /// part is overdue, or has just been brought, has it at once.
+    /// Adds that events that take time happen only when nothing can move at once any more. Supplies
+    /// are exempt, unless they lead only to sinks and stores, because their next part comes at once
+    /// if it is overdue or has just been brought.
     fn in_time(&mut self, settled: &Expr) {
         let (model, place) = (self.model, self.place);
         let is_supply = matches!(model.shape.places[place].kind, PlaceKind::Supply { .. });
@@ -177,7 +178,7 @@ impl Writer<'_> {
         );
     }
 
-    /// Which part is taken when.
+    /// Adds which part is taken, and when.
     fn takes(&mut self) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
@@ -199,7 +200,7 @@ impl Writer<'_> {
             "it takes a part only from a place where one waits for it, and joins only complete bills",
             &all(offered.chain(join)),
         );
-        // Takers that can lack room; sinks and stores always have room.
+        // Whether there is room for what this taker offers; always true for sinks and stores.
         let roomy = |taker: usize| {
             if let Some(&from) = model.shape.places[place].from.get(taker - 1) {
                 let types = model.shape.between(from, place);
@@ -241,7 +242,7 @@ impl Writer<'_> {
         );
     }
 
-    /// The longest wait goes first.
+    /// Adds that the part that has waited longest goes first.
     fn turns(&mut self) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
@@ -275,7 +276,7 @@ impl Writer<'_> {
             rules.push(first(*a, *b, Expr::now(*earlier).not()));
             rules.push(first(*b, *a, Expr::now(*earlier)));
         }
-        // Those that begin to wait at the same instant have some order, but a consistent one.
+        // Parts that begin to wait at the same instant are in an arbitrary, but consistent order.
         let order = |x: usize, y: usize| {
             vars.earlier
                 .iter()
@@ -423,7 +424,7 @@ impl Writer<'_> {
         );
     }
 
-    /// Components wait in their places and disappear when they are joined.
+    /// Adds that components wait in their places and disappear when they are joined.
     fn bills(&mut self) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
@@ -478,7 +479,7 @@ impl Writer<'_> {
                 let new =
                     new.map(|(i, part)| (model.arrives(place, *part), Expr::Const(i as i64 + 1)));
                 let new = choose(new.collect(), Expr::Const(0));
-                // The queue after the first part has left.
+                // Contents of a slot after the first part has left, if it leaves.
                 let moved = |i: usize| {
                     let next = slots.get(i + 1).map_or(Expr::Const(0), |s| Expr::now(*s));
                     Expr::If(
@@ -550,7 +551,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The part that is offered, if the queue does not determine it.
+    /// Adds which part is offered, if the contents of the place do not determine this. `there`
+    /// states when a part of a type can be offered.
     fn end(&mut self, end: VarId, there: &dyn Fn(usize) -> Expr, text: &str) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);

@@ -1,6 +1,6 @@
-//! Names of the requirements on a line.
+//! Names of the requirements on a line. The names of the goal formulas begin with them.
 
-/// Requirement names; the names of the goal formulas begin with them.
+/// No part is lost.
 pub const NO_PART_LOST: &str = "no_part_lost";
 /// No place takes more parts than it has room for.
 pub const NO_OVERFLOW: &str = "no_overflow";

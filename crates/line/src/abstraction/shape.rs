@@ -1,9 +1,9 @@
 //! A line as seen by its abstraction: places with room for parts, and the ways between them.
 //!
 //! A node of the line is one place, with two exceptions. A store is one place for incoming parts
-//! and one for each type that leaves it, which are independent of each other. A belt with a
-//! contract that takes parts from other such belts has an extra place before it, as in the runner:
-//! a belt can hand over and take parts only in its own step.
+//! and one for each type that leaves it; these places are independent of each other. A belt with a
+//! contract that takes parts from other such belts has an extra place before it, as in the runner,
+//! because a belt can hand over and take parts only in its own step.
 
 use super::belt::{self, Room};
 use crate::undecided::UndecidedReason;
@@ -20,7 +20,7 @@ pub struct Place {
     pub node: usize,
     /// Kind of place.
     pub kind: PlaceKind,
-    /// Part types that can be in it and leave it, each with its possible destinations, in source
+    /// Part types that can be in it and leave it, each with its possible destinations in source
     /// order.
     pub ways: Vec<Ways>,
     /// Places from which parts come.
@@ -43,10 +43,10 @@ pub enum PlaceKind {
     Supply {
         /// Index of the type.
         part: usize,
-        /// Whether the next part is available as soon as the previous one has left; otherwise some
-        /// time may pass.
+        /// Whether the next part is available as soon as the previous one has left; otherwise, some
+        /// time can pass.
         always: bool,
-        /// Maximum number of parts of the type in the line before the supply pauses.
+        /// Number of parts of the type in the line at which the supply pauses; `None` if unlimited.
         most: Option<u32>,
     },
     /// Exit of parts from the line.
@@ -54,7 +54,7 @@ pub enum PlaceKind {
         /// Types that are finished here; others are rejected, or wait in a store for their next
         /// way.
         finishes: Vec<usize>,
-        /// Types that leave the line here in either way.
+        /// Types that leave the line here, finished or rejected.
         leaves: Vec<usize>,
     },
     /// A machine that works on one part at a time.
@@ -66,12 +66,12 @@ pub enum PlaceKind {
     Conveyor {
         /// Capacity in parts.
         places: u32,
-        /// With fewer parts on it, another one is eventually taken even while the first one waits;
-        /// otherwise possibly only after that has left. An accumulating conveyor takes as many as
-        /// fit.
+        /// With fewer parts than this on it, another one is eventually taken even while the first
+        /// one waits; otherwise, possibly only after the first one has left. An accumulating
+        /// conveyor takes as many as fit.
         sure: u32,
-        /// Whether a machine moves it step by step, and so hands over and takes parts only in its
-        /// own steps.
+        /// Whether a machine moves it step by step, so that it hands over and takes parts only in
+        /// its own steps.
         machine: bool,
     },
     /// A queue: parts wait in order.
@@ -86,9 +86,9 @@ pub enum PlaceKind {
 pub struct Work {
     /// Type of the part that leaves.
     pub part: usize,
-    /// Whether it accepts parts of this type as they are.
+    /// Whether the task accepts parts of this type as they are, without joining.
     pub plain: bool,
-    /// Component types with counts. Empty if it joins nothing.
+    /// Component types with counts; empty if the task joins nothing.
     pub bill: Vec<(usize, u32)>,
 }
 
@@ -101,7 +101,7 @@ pub struct Shape {
     pub types: Vec<String>,
     /// Index of the end product's type.
     pub product: usize,
-    /// Number of parts of type `b` in one of type `a`, at `[a][b]`; 1 for itself.
+    /// Number of parts of type `b` in one part of type `a`, at `[a][b]`; 1 if `a` is `b`.
     pub contents: Vec<Vec<u64>>,
 }
 
@@ -109,7 +109,7 @@ impl Shape {
     /// Computes the places of a line and their possible contents.
     ///
     /// # Errors
-    /// Returns the reason if something in it has no abstraction.
+    /// Returns the reason if something in the line has no abstraction.
     pub fn of(line: &Line) -> Result<Self, UndecidedReason> {
         let mut places = Vec::new();
         // For each node: the place where parts arrive, and the place before a belt.
@@ -197,7 +197,8 @@ impl Shape {
                 open.push((place, part));
             }
         }
-        // Types that arrive at a station, joined or not, and types that leave a place.
+        // `there` holds the types that arrive at a place, joined or not, and `leaves` those that
+        // leave it.
         let mut leaves = there.clone();
         while let Some((place, part)) = open.pop() {
             if !leaves[place].insert(part) {
@@ -234,7 +235,7 @@ impl Shape {
         for (place, there) in self.places.iter_mut().zip(&there) {
             place.from.sort_unstable();
             place.ways.sort_by_key(|w| w.part);
-            // A task that no part ever comes for is dropped.
+            // A task for which no part ever comes is dropped.
             if let PlaceKind::Station { tasks } = &mut place.kind {
                 tasks.retain(|task| {
                     let mut bill = task.bill.iter();
@@ -246,9 +247,9 @@ impl Shape {
         self.check_limits(line)
     }
 
-    /// Checks that time passes somewhere on the way of every part; otherwise everything else waits
-    /// for ever for parts that move at once. Here work always takes time; work without duration is
-    /// found with the values of parts ([`crate::calls`]).
+    /// Checks that time passes somewhere on the way of every part; otherwise, everything else would
+    /// wait for ever for parts that move at once. Work always takes time here; work without
+    /// duration is found by [`crate::calls`], which knows the values of parts.
     pub(super) fn check_time(&self) -> Result<(), UndecidedReason> {
         let Some((from, to)) = self.timeless() else {
             return Ok(());
@@ -269,8 +270,8 @@ impl Shape {
         })
     }
 
-    /// A place that parts from here reach without time passing: this place again or, with
-    /// `to_ends`, a sink or a store.
+    /// A place that parts from `start` reach without time passing: `start` itself or, with
+    /// `to_ends`, a sink or a store; `None` if there is none.
     fn at_once_from(&self, start: usize, to_ends: bool) -> Option<usize> {
         let moves_at_once = |place: usize| {
             matches!(
@@ -297,7 +298,7 @@ impl Shape {
         None
     }
 
-    /// Places where a part of this type may be next. A store may give out again what it takes in.
+    /// Places where a part of this type can be next. A store can give out again what it takes in.
     fn onward(&self, place: usize, part: usize) -> Vec<(usize, usize)> {
         let to = self.to(place, part).iter().map(|to| (*to, part));
         let mut next: Vec<(usize, usize)> = to.collect();
@@ -319,9 +320,10 @@ impl Shape {
         ways.all(|ways| ways.to.iter().all(is_end))
     }
 
-    /// Checks that the next part of every source that takes its time may come at once, as it does
-    /// if it is overdue: there must be no way without time from there to a place that is never
-    /// full, but for the direct one, on which it makes no difference to anything else.
+    /// Checks the sources whose next part takes time. If such a part is overdue, it comes at once.
+    /// Therefore, it must not be able to go on from the source, without time passing, to a place
+    /// that is never full. Sources from which parts go directly to such places, and nowhere else,
+    /// are allowed: they make no difference to anything else.
     pub(super) fn check_overdue(&self) -> Result<(), UndecidedReason> {
         for (start, declared) in self.places.iter().enumerate() {
             if matches!(declared.kind, PlaceKind::Supply { always: false, .. })
@@ -337,8 +339,7 @@ impl Shape {
         Ok(())
     }
 
-    /// A limit of work in process counts a type; rejects lines in which that count would be
-    /// inexact.
+    /// Rejects lines in which a limit of work in process would count the parts of its type wrongly.
     fn check_limits(&self, line: &Line) -> Result<(), UndecidedReason> {
         for place in &self.places {
             let PlaceKind::Supply {
@@ -401,14 +402,14 @@ impl Shape {
         found
     }
 
-    /// Number of parts of type `b` in one of type `a`, at `[a][b]`; 1 for itself.
+    /// Number of parts of type `b` in one part of type `a`, at `[a][b]`; 1 if `a` is `b`.
     pub fn contents(line: &Line) -> Vec<Vec<u64>> {
         let types = line.parts.len();
         let mut contents = vec![vec![0_u64; types]; types];
         for (whole, row) in contents.iter_mut().enumerate() {
             let mut level = vec![(whole, 1_u64)];
-            // Bills have no cycles (the resolver rejects them); bounding the rounds guarantees
-            // termination.
+            // Bills have no cycles (the resolver rejects them); the bound on the rounds ensures
+            // termination in any case.
             for _ in 0..types {
                 let mut below = Vec::new();
                 for (part, count) in level {
@@ -428,7 +429,7 @@ impl Shape {
         ways.map_or(&[], |w| &w.to)
     }
 
-    /// Types that may go from one place to another.
+    /// Types that can go from one place to another.
     pub fn between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> {
         let ways = self.places[from].ways.iter();
         ways.filter(move |w| w.to.contains(&to)).map(|w| w.part)
@@ -447,7 +448,7 @@ impl Shape {
     }
 }
 
-/// Derives from the contracts of belts how much room is certain; belts of one machine are alike.
+/// Derives from the contracts of belts how much room is certain, once for all belts of a machine.
 fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), UndecidedReason> {
     let mut known: Vec<(&Belt, Room)> = Vec::new();
     for place in places {
@@ -495,8 +496,8 @@ fn belt(node: &Node) -> bool {
     matches!(node.kind, NodeKind::Conveyor { belt: Some(_), .. })
 }
 
-/// What a store gives out. Stock is assumed to last, unless parts of the type also come in: then
-/// they are available only once they arrive.
+/// The parts of a type that a store gives out. Stock is assumed to last, unless parts of the type
+/// also come in: then each part is available only once it has arrived.
 fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     let comes = line.routes.iter().any(|r| r.to == node && r.part == part);
     PlaceKind::Supply {
@@ -506,9 +507,9 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     }
 }
 
-/// Whether there is always another part at once, however many were supplied. A stock counts as one
-/// that does not run out: if all of it moved in one instant, no other event would ever come, and
-/// what the places guarantee would contradict itself.
+/// Whether there is always another part at once, however many were supplied. A stock counts as
+/// endless: if all of it moved in one instant, no other event would ever come, and the guarantees
+/// of the places would contradict each other.
 fn endless(place: &Place) -> bool {
     matches!(place.kind, PlaceKind::Supply { always: true, .. })
 }

@@ -1,13 +1,13 @@
 //! Variables of the abstraction, and expressions over them.
 //!
-//! A step has an arbitrary duration. In each step, every place may progress by itself (a service
-//! ends, a part reaches the end of its belt), and every place may begin to take a part offered to
+//! A step has an arbitrary duration. In each step, every place can progress by itself (a service
+//! ends, a part reaches the end of its belt), and every place can begin to take a part offered to
 //! it; that part moves in the next step. So no place depends on another's decision in the same
-//! step, and the parts of the system are Moore machines. Properties, which decide a part's route,
-//! are not known here: an environment variable says which way the next part will go.
+//! step, and the components of the system are Moore machines. Properties, which decide a part's
+//! route, are not known here: an environment variable determines which way the next part will go.
 //!
-//! Irrelevant detail is left out without loss: a queue that can hold only one type is a count,
-//! since its parts have the same future.
+//! Irrelevant detail is left out without loss: a queue that can hold only one part type is a count,
+//! because all its parts have the same future.
 
 use super::shape::{PlaceKind, Shape};
 use super::words::{all, any, is};
@@ -18,8 +18,8 @@ use std::collections::BTreeMap;
 
 /// Maximum number of slots for parts of different types.
 const MAX_SLOTS: usize = 64;
-/// Maximum number of places whose parts wait for the same one: their turns take a formula for every
-/// three of them.
+/// Maximum number of places whose parts wait for the same place: the order of their turns needs a
+/// formula for every three of them.
 const MAX_WAITING: usize = 48;
 /// Maximum length of a queue of parts of one type.
 const MAX_COUNTED: u32 = 4_096;
@@ -27,30 +27,32 @@ const MAX_COUNTED: u32 = 4_096;
 /// The variables of a place.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Vars {
-    /// Which part it takes: 0 for none, then those of [`super::shape::Place::from`], then its own
-    /// bills that it joins.
+    /// Which part the place takes: 0 if none, then one value for each place in
+    /// [`super::shape::Place::from`], then one for each bill that the place itself joins.
     pub takes: Option<VarId>,
-    /// For a station: 0 for free, then the entries of `phases`.
+    /// For a station: 0 if it is free, then one value for each entry of `phases`.
     pub phase: Option<VarId>,
     /// Phases of a station.
     pub phases: Vec<Phase>,
-    /// For a station: by task and bill line, the number of components present.
+    /// For a station, by task and bill line: the number of components present, and the number
+    /// required.
     pub bills: Vec<Vec<(VarId, u32)>>,
     /// Contents of a queue.
     pub queue: Option<Queue>,
-    /// For a queue or supply, which part is offered to whom: 0 for none, then the entries of
-    /// `offers`.
+    /// For a queue or a supply: which part is offered to which place. 0 if none is, then one value
+    /// for each entry of `offers`.
     pub end: Option<VarId>,
-    /// For a conveyor without a machine: its first place is free again after the last arrival.
+    /// For a conveyor without a machine: whether its first place is free again after the last
+    /// arrival.
     pub open: Option<VarId>,
     /// Pairs of a type and the place it is offered to.
     pub offers: Vec<(usize, usize)>,
-    /// For a supply with a limit: number of parts of its type in the line.
+    /// For a supply with a limit: the number of parts of its type in the line, and the limit.
     pub in_line: Option<(VarId, u32)>,
-    /// For places that take turns: the first (by its value in `takes`) has waited longer than the
-    /// second.
+    /// For a place at which parts take turns: two values of `takes`, and whether the first of them
+    /// has waited longer than the second.
     pub earlier: Vec<(usize, usize, VarId)>,
-    /// Tasks whose bills are joined, by their value in `takes`.
+    /// Pairs of a value of `takes` and the task whose bill is then joined.
     pub joins: Vec<(usize, usize)>,
 }
 
@@ -68,8 +70,8 @@ pub enum Phase {
 pub enum Queue {
     /// Parts of one type: their number, and the capacity.
     Count(VarId, u32),
-    /// The contents of each slot, the first to leave in front: 0 for nothing, then the types in
-    /// this order.
+    /// The contents of each slot, the first to leave in front: 0 if it is empty, then one value for
+    /// each type, in this order.
     Slots(Vec<VarId>, Vec<usize>),
 }
 
@@ -80,8 +82,9 @@ pub struct Vocabulary {
     pub variables: Vec<Variable>,
     /// Variables by place.
     pub places: Vec<Vars>,
-    /// By place and type: which of several ways the next part will go, as an index into its ways;
-    /// one value more says that no further part will be sent from here.
+    /// By place and type: which of several ways the next part will go, as an index into the ways of
+    /// the type. One further value means that no more parts of the type will be sent from the
+    /// place.
     pub decisions: BTreeMap<(usize, usize), VarId>,
 }
 
@@ -89,7 +92,7 @@ impl Vocabulary {
     /// Creates the variables of the places.
     ///
     /// # Errors
-    /// Returns the reason if there would be too many.
+    /// Returns the reason if there would be too many variables.
     pub fn of(line: &Line, shape: &Shape) -> Result<Self, UndecidedReason> {
         let mut new = Self {
             variables: Vec::new(),
@@ -256,7 +259,7 @@ impl Vocabulary {
             let pairs = (1..takers.len()).flat_map(|a| (a + 1..takers.len()).map(move |b| (a, b)));
             let compete =
                 |(a, b): (usize, usize)| turns && compete(shape, place, &vars.joins, a, b);
-            // With four or more, an order of only some pairs could be a cycle.
+            // With four or more takers, an order of only some pairs could contain a cycle.
             let of_all = takers.len() > 4 && pairs.clone().any(compete);
             for (a, b) in pairs {
                 {
@@ -273,7 +276,7 @@ impl Vocabulary {
     }
 }
 
-/// Whether two that come to a place, by their values in `takes`, may compete for the same room.
+/// Whether two takers of a place, given as values of `takes`, can compete for the same room.
 fn compete(shape: &Shape, place: usize, joins: &[(usize, usize)], a: usize, b: usize) -> bool {
     let declared = &shape.places[place];
     let PlaceKind::Station { tasks } = &declared.kind else {
@@ -292,12 +295,12 @@ fn labels_of(labels: Vec<String>) -> Domain {
     Domain::Enum { name: None, labels }
 }
 
-/// Places together with their variables; expressions about the line.
+/// Places together with their variables. The methods build expressions about the line.
 #[derive(Debug, Clone, Copy)]
 pub struct Model<'a> {
     /// The places.
     pub shape: &'a Shape,
-    /// Their variables.
+    /// The variables of the places and of the environment.
     pub vocabulary: &'a Vocabulary,
 }
 
@@ -380,8 +383,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// A component place for this type is free in this line of the task's bill, and in none before
-    /// it.
+    /// A component place for this type is free in this line of the task's bill, but in no earlier
+    /// line.
     pub fn component_place(&self, place: usize, part: usize, task: usize, line: usize) -> Expr {
         let PlaceKind::Station { tasks } = &self.shape.places[place].kind else {
             return Expr::FALSE;
@@ -463,7 +466,7 @@ impl<'a> Model<'a> {
         all(bill.map(|(there, count)| is(*there, *count as usize)))
     }
 
-    /// The part behind this value of `takes` waits, and there would be room for it.
+    /// The part or bill that this value of `takes` denotes waits, and there is room for it.
     pub fn may_take(&self, place: usize, taker: usize) -> Expr {
         let vars = self.vars(place);
         if let Some((_, task)) = vars.joins.iter().find(|(value, _)| *value == taker) {
@@ -478,12 +481,12 @@ impl<'a> Model<'a> {
         }))
     }
 
-    /// Some part waits that could be taken.
+    /// Some waiting part could be taken.
     pub fn may_take_any(&self, place: usize) -> Expr {
         any(self.takers(place).map(|taker| self.may_take(place, taker)))
     }
 
-    /// A part waits that must eventually be taken if nothing changes.
+    /// Some waiting part must eventually be taken if nothing changes.
     pub fn owes(&self, place: usize) -> Expr {
         let vars = self.vars(place);
         let waits = self.may_take_any(place);
@@ -507,7 +510,7 @@ impl<'a> Model<'a> {
         waits.and(is(end, 0).or(few))
     }
 
-    /// A part could be offered here that is not offered yet.
+    /// The place offers no part, but could offer one.
     pub fn may_offer(&self, place: usize) -> Expr {
         let vars = self.vars(place);
         let Some(end) = vars.end else {
@@ -535,8 +538,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Nothing moves, and nothing could move before another event that takes time. Belts with a
-    /// machine move parts in their own steps, so they are not waited for.
+    /// Nothing moves, and nothing could move before another event that takes time. What only belts
+    /// with a machine could move does not count, because they move parts in their own steps.
     pub fn settled(&self) -> Expr {
         let belt = |place: usize| {
             matches!(
@@ -563,7 +566,7 @@ impl<'a> Model<'a> {
         all(rules).simplify()
     }
 
-    /// Values of `takes` at a place other than none.
+    /// The values of `takes` at a place, except 0 (none).
     pub fn takers(&self, place: usize) -> std::ops::RangeInclusive<usize> {
         1..=self.shape.places[place].from.len() + self.vars(place).joins.len()
     }

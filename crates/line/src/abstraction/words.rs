@@ -23,17 +23,17 @@ pub(crate) fn stays(variable: VarId) -> Expr {
     Expr::next(variable).equals(Expr::now(variable))
 }
 
-/// Conjunction.
+/// The conjunction of these expressions; true if there are none.
 pub(crate) fn all(parts: impl IntoIterator<Item = Expr>) -> Expr {
     parts.into_iter().reduce(Expr::and).unwrap_or(Expr::TRUE)
 }
 
-/// Disjunction.
+/// The disjunction of these expressions; false if there are none.
 pub(crate) fn any(parts: impl IntoIterator<Item = Expr>) -> Expr {
     parts.into_iter().reduce(Expr::or).unwrap_or(Expr::FALSE)
 }
 
-/// Number of these that hold.
+/// The number of these conditions that hold.
 pub(crate) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
     let one = |e| {
         Expr::If(
@@ -45,7 +45,7 @@ pub(crate) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
     sum(parts.into_iter().map(one))
 }
 
-/// Sum.
+/// The sum of these expressions; 0 if there are none.
 pub(crate) fn sum(parts: impl IntoIterator<Item = Expr>) -> Expr {
     let add = |a, b| Expr::binary(BinaryOp::Add, a, b);
     parts.into_iter().reduce(add).unwrap_or(Expr::Const(0))
@@ -57,7 +57,7 @@ pub(crate) fn choose(cases: Vec<(Expr, Expr)>, otherwise: Expr) -> Expr {
     cases.into_iter().rev().fold(otherwise, case)
 }
 
-/// A number clamped to between 0 and `most`.
+/// A number clamped to the range from 0 to `most`.
 pub(crate) fn within(number: Expr, most: i64) -> Expr {
     let low = Expr::binary(BinaryOp::Max, Expr::Const(0), number);
     Expr::binary(BinaryOp::Min, Expr::Const(most), low)

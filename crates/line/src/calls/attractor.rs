@@ -1,8 +1,9 @@
 //! Attractor computation on a graph.
 
-/// The vertices of a goal, and repeatedly those with at least `wanted` outgoing edges into the set
-/// so far; never those without a `wanted` number. `before` holds the incoming edges, in which the
-/// run time is linear.
+/// Returns, by vertex, whether it belongs to the attractor of a goal. The attractor contains the
+/// vertices of the goal and, repeatedly, every vertex with at least `wanted` outgoing edges into
+/// it. A vertex for which `wanted` is `None` belongs to it only if it is in the goal. `before`
+/// holds the incoming edges of each vertex; the run time is linear in their number.
 pub(super) fn attractor(
     before: &[Vec<usize>],
     goal: impl Iterator<Item = usize>,

@@ -1,8 +1,9 @@
-//! Checks what a conveyor's contract assumes of the line, and whether it keeps every part.
+//! Checks whether a line satisfies what a conveyor's contract assumes, and whether the conveyor
+//! keeps every part.
 //!
-//! A belt is stepped repeatedly with the behavior of its neighbors: whether a part waits to come
-//! on, and whether the next place would take the first part. A waiting part keeps waiting until it
-//! is let on; nothing else is known. The other inputs are given by the belt's file.
+//! In each step, a belt reads the behavior of its neighbors: whether a part waits to come on, and
+//! whether the next place would take the first part. A waiting part keeps waiting until it is let
+//! on; nothing else is known about these inputs. The other inputs are set by the belt's file.
 
 use super::Calls;
 use crate::abstraction::words::{all, any, count, is, later};
@@ -62,11 +63,11 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
     }
 }
 
-/// A property that a belt's contracts leave open.
+/// A property that could not be proved from a belt's contracts.
 enum BeltViolation {
-    /// An assumption, with its display name.
+    /// An assumption, with a description of it.
     Assumption(String, Formula),
-    /// That every part stays on the belt, in order.
+    /// The property that every part stays on the belt, in order.
     Keeping,
 }
 
@@ -139,7 +140,7 @@ fn formula(belt: &Belt, name: &str, expr: &Expr) -> Formula {
     }
 }
 
-/// What the line and the machine's file guarantee.
+/// What the line and the machine's file guarantee to the belt.
 fn given(belt: &Belt) -> Side {
     let mut side = Side::default();
     let on = |wire: usize| is(VarId(wire as u32), 1);
@@ -171,9 +172,9 @@ fn given(belt: &Belt) -> Side {
     side
 }
 
-/// The number of occupied places equals the number of parts on the belt, and no part moves
-/// backward: behind each place there are never more parts than before, except for the one that
-/// comes on.
+/// Requires that the number of occupied places equals the number of parts on the belt, and that no
+/// part moves backward: the number of parts from each place to the end decreases only by the part
+/// that is taken off.
 fn keeping(belt: &Belt) -> Side {
     let mut side = Side::default();
     let on = |wire: usize| is(VarId(wire as u32), 1);

@@ -1,22 +1,26 @@
 //! Determines whether chance guarantees that a route is taken again and again.
 //!
-//! If several routes remain for parts of a type, a part's values decide which one it takes; they
-//! depend on chance and on what is left open here. A route is almost surely taken again and again
-//! if every new part of that type has a chance to reach it whatever else happens. The vertices for
-//! which this holds are the positive attractor of a game in which chance helps and everything left
-//! open opposes (Chatterjee and Henzinger, "A survey of stochastic omega-regular games", JCSS
-//! 78(2), 2012). The line holds finitely many values, so the chances are bounded from below; each
-//! part draws by itself; and only finitely many parts are on their way at a time, so infinitely
-//! many of those that are made take the route. That many are made is not certain if a part can go
-//! round for ever: so a part that goes another way and may return must still have a chance. A store
-//! holds any number of parts, so no way through one counts.
+//! If several routes remain for parts of a type, the values of a part decide which one it takes.
+//! These values depend on chance and on what is left open here. A route is almost surely taken
+//! again and again if every new part of the type has a chance to reach the route, whatever else
+//! happens. The vertices for which this holds are the positive attractor of a game in which chance
+//! helps and everything left open opposes (Chatterjee and Henzinger, "A survey of stochastic
+//! omega-regular games", JCSS 78(2), 2012).
+//!
+//! The argument: The line holds finitely many values, so the chances are bounded from below. Each
+//! part draws independently. Only finitely many parts are on their way at a time, so if infinitely
+//! many are made, infinitely many take the route. A part that can go round for ever might prevent
+//! others from being made. Therefore, a part that takes another route and can return must still
+//! have a chance to take this route. A store holds any number of parts, so a way through a store
+//! does not count.
 
 use super::Calls;
 use super::attractor::attractor;
 use super::walk::{Choice, Stage, Walk};
 use linewright_language::contract::line::NodeKind;
 
-/// Marks the routes that chance guarantees. Linear in the edges of the walk for each route.
+/// Marks the routes that chance guarantees. For each route, the run time is linear in the edges of
+/// the walk.
 pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
     let before = walk.before();
     for (index, route) in walk.line.routes.iter().enumerate() {
@@ -38,14 +42,15 @@ pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
 /// One of several alternative routes.
 struct Branch<'a> {
     walk: &'a Walk<'a>,
-    /// Type of the parts that take it.
+    /// Type of the parts that take the route.
     part: usize,
-    /// By vertex: whether it has a chance to reach the route whatever is left open.
+    /// By vertex: whether a part there has a chance to take the route, however open choices are
+    /// made.
     sure: Vec<bool>,
-    /// By vertex: whether it may reach the beginning of the route.
+    /// By vertex: whether a part there can reach the start of the route.
     comes: Vec<bool>,
-    /// Whether a part may reach the beginning of the route, go another way, return there, and have
-    /// no chance of this route any more: it could go round for ever.
+    /// Whether a part that has no chance to take the route can leave its start another way and
+    /// return there: such a part could go round for ever.
     has_trap: bool,
 }
 
@@ -85,8 +90,8 @@ impl<'a> Branch<'a> {
         !self.has_trap && self.made_surely(self.part, self.walk.line.parts.len())
     }
 
-    /// Whether infinitely many of infinitely many parts of a type reach the route. A joined part
-    /// may depend on a component for this.
+    /// Whether infinitely many parts of a type reach the route if infinitely many are made. For
+    /// joined parts, it suffices that this holds for one of their components.
     fn made_surely(&self, part: usize, depth: usize) -> bool {
         let vertices = &self.walk.vertices;
         let counts = |v: &usize| self.comes[*v] && vertices[*v].part == part;

@@ -11,7 +11,7 @@ use linewright_language::contract::machine::{Component, Machine};
 use linewright_station::{ErrorCode, messages};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum number of operations or value changes listed on the way to a mistake.
+/// Maximum number of operations or value changes that a finding lists.
 const MAX_LISTED: usize = 8;
 
 /// Adds all findings.
@@ -32,8 +32,8 @@ pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
     }
 }
 
-/// The vertices that some part certainly reaches if the line keeps running: nothing on the way
-/// depends on what is left open.
+/// By vertex: whether some part certainly reaches it if the line keeps running, because nothing on
+/// the way depends on what is left open.
 fn certain(walk: &Walk<'_>) -> Vec<bool> {
     let mut certain = vec![false; walk.vertices.len()];
     let mut open: Vec<usize> = walk.origins.clone();
@@ -54,11 +54,12 @@ fn certain(walk: &Walk<'_>) -> Vec<bool> {
     certain
 }
 
-/// Number of vertices on the way to each vertex.
+/// Number of vertices on the way to each vertex, including itself.
 fn depth(walk: &Walk<'_>) -> Vec<usize> {
     let mut depth = Vec::with_capacity(walk.vertices.len());
     for vertex in &walk.vertices {
-        // The vertex by which another was reached is older.
+        // The vertex from which another was first reached has a smaller index, so its depth is
+        // known.
         depth.push(vertex.before.map_or(1, |before| depth[before] + 1));
     }
     depth
@@ -79,8 +80,8 @@ impl Writer<'_> {
         &self.line().nodes[node].name
     }
 
-    /// One finding per operation and kind of problem: the most certain, then the one with the
-    /// shortest way.
+    /// Adds one finding per operation and kind of problem: the most certain one and, among equally
+    /// certain ones, the one with the shortest way.
     fn refusals(&self, node: usize, findings: &mut Vec<Diagnostic>) {
         let (Some(machine), Some(station)) =
             (machine_of(self.line(), node), &self.walk.stations[node])
@@ -182,23 +183,23 @@ impl Writer<'_> {
                         "it would take {steps} steps, and `{}` allows {}: write `limit {steps} steps`, or a larger number",
                         machine.name, machine.step_limit
                     ),
-                    None => "the operation does not end with a far larger limit either: find out what its actions wait for"
+                    None => "the operation does not end within a far larger limit, either: find out what its actions wait for"
                         .to_owned(),
                 }
             }
             ErrorCode::Domain => {
-                "keep such values away by a route with a condition, or extend the machine's expressions and ranges to them"
+                "divert parts with such values by a route with a condition, or extend the machine's expressions and ranges to these values"
                     .to_owned()
             }
             _ if of_order => {
-                "let the station perform other operations, or the same ones in another order; or weaken what forbids it".to_owned()
+                "let the station perform other operations, or the same ones in another order; or weaken the rule that forbids this".to_owned()
             }
-            _ => "keep such parts away by a route with a condition, change the `abstract` that maps their values, or weaken the assumption"
+            _ => "divert such parts by a route with a condition, change the `abstract` that maps their values, or weaken the assumption"
                 .to_owned(),
         }
     }
 
-    /// The operations called up to a refusal.
+    /// Names of the operations called, up to the one that is refused.
     fn operations<'m>(
         &self,
         node: usize,
@@ -307,8 +308,9 @@ impl Writer<'_> {
                 v.stage == Stage::Leaves && (v.node, v.part) == (route.from, route.part)
             };
             let is_stranded = |at: &usize| leaves(&self.walk.vertices[*at]);
-            // A catch-all route may get no parts, unless a station exists only for it; if no part
-            // comes at all, the cause is reported further upstream.
+            // It is harmless if a catch-all route gets no parts, unless the route leads to a
+            // station that no part reaches at all. If no part even reaches the start of a route,
+            // the cause is reported further upstream.
             let is_net = route.condition.is_none() && !self.is_idle_station(route.to);
             if calls.taken[index]
                 || is_net
@@ -336,7 +338,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Stores that have routes for parts of a type but never any part to give.
+    /// Reports stores that have routes for a part type but never hold a part of this type.
     fn empty_stores(&self, calls: &mut Calls) {
         let line = self.line();
         for (node, declared) in line.nodes.iter().enumerate() {
@@ -383,7 +385,7 @@ impl Writer<'_> {
         way
     }
 
-    /// `the way of that part: it is made at s with x = 0; m makes it x = 1; it comes to n`.
+    /// Describes the way of a part: `the way of this part: made at s with x = 0; m makes x = 1`.
     fn history(&self, at: usize) -> String {
         let way = self.way(at);
         let mut shown: Vec<String> = Vec::new();
@@ -418,7 +420,8 @@ impl Writer<'_> {
         format!("the way of this part: {}", shown.join("; "))
     }
 
-    /// The values of a part, or only those that changed.
+    /// The values of a part, as `name = value`. With `before`, only those that have changed since
+    /// then.
     fn values(&self, vertex: &Vertex, before: Option<&Vertex>) -> Vec<String> {
         let properties = self.line().parts[vertex.part].properties.iter().enumerate();
         let changed = |i: &usize| before.is_none_or(|b| b.values[*i] != vertex.values[*i]);
@@ -437,8 +440,8 @@ impl Writer<'_> {
     }
 }
 
-/// Rank of a finding, smallest first: whether it depends on something left open, the number of
-/// calls before it, the length of the part's way.
+/// Rank of a finding; the smallest comes first. In this order: whether it depends on something left
+/// open, the number of calls before it, the length of the part's way, and the vertex.
 type Rank = (bool, usize, usize, usize);
 
 #[derive(Clone, Copy)]
@@ -446,7 +449,7 @@ struct Refused<'a> {
     at: usize,
     call: usize,
     state: usize,
-    /// Whether it occurs in every state of the station.
+    /// Whether the call is refused in every state of the station.
     always: bool,
     refusal: &'a Refusal,
 }
@@ -464,7 +467,7 @@ fn without_numbers(message: &str) -> String {
     message.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
 
-/// The formula that a library names.
+/// The formula, with its component, to which the rule in a library's error refers.
 fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'m Formula)> {
     machine.components.iter().find_map(|component| {
         let sides = [
@@ -477,8 +480,8 @@ fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'
     })
 }
 
-/// Operations in order, for a message: `` `left` twice, then `right` ``. Only the end of a long
-/// sequence.
+/// Lists operations in order, for a message: `` `left` twice, then `right` ``. Of a long sequence,
+/// only the end is listed.
 pub fn in_turn(operations: &[&str]) -> String {
     let mut shown: Vec<(&str, usize)> = Vec::new();
     for name in operations {

@@ -1,5 +1,5 @@
-//! What a line demands of its stations: every value that a part can carry to them, every state in
-//! which they can be, and their answers.
+//! What a line requires of its stations: every value that a part can have at a station, every state
+//! that the station can be in, and its answers.
 //!
 //! The proof of a line ([`super::abstraction`]) omits properties and times. What it takes for
 //! granted is proved here: that no part is refused, that no value leaves its range, that every part
@@ -15,16 +15,16 @@
 //! part. So the calls of a line are explored one by one, with the same interpreter that the station
 //! libraries are tested against ([`linewright_station::interpret`]). The order in which parts reach
 //! a station is left open: every possible part is tried in every state that calls can lead to
-//! (`station.rs`). Chance branches. All other information about times and orders is dropped, so the
-//! exploration covers at least everything that can happen.
+//! (`station.rs`). Chance leads to one branch per outcome. All other information about times and
+//! orders is ignored, so the exploration covers at least everything that can happen.
 //!
-//! - What can be explored within the limits is exact except for the order of parts: a refusal that
-//!   does not depend on the station's state is an error, one that does is a warning.
-//! - Anything else is undecided, and the line is not proved.
+//! - Within the limits, the exploration is exact except for the order of parts. Therefore, a
+//!   refusal is an error if it does not depend on the station's state, and a warning if it does.
+//! - What could not be explored is undecided, and the line is not proved.
 //!
-//! If several routes remain for parts of a type, a proof of progress needs each of them to be taken
-//! again and again. Chance guarantees this almost surely if every new part has a chance to reach
-//! the route whatever the stations' states are (`chance.rs`).
+//! If several routes remain for parts of a type, a proof of progress requires that each of them is
+//! taken again and again. Chance guarantees this almost surely if every new part has a chance to
+//! reach the route whatever the stations' states are (`chance.rs`).
 
 mod attractor;
 mod belt;
@@ -60,21 +60,22 @@ pub struct Bounds {
 /// Result of exploring the calls of a line.
 #[derive(Debug, Default)]
 pub struct Calls {
-    /// Refused parts, values out of range, parts without a way: any of these prevents a proof of
-    /// the line.
+    /// Refused parts, values out of range, parts without a way onward: any of these prevents a
+    /// proof of the line.
     pub findings: Vec<Diagnostic>,
-    /// Harmless oddities: routes that no part takes.
+    /// Harmless findings: routes that no part takes, and stores that no part leaves.
     pub remarks: Vec<Diagnostic>,
     /// Stations and belts for which it was not decided whether they refuse a part, each with the
     /// reason.
     pub undecided: Vec<(usize, UndecidedReason)>,
-    /// By route: whether a part can take it. All are set if something was not decided.
+    /// By route: whether a part can take the route. All are set if something was not decided.
     pub taken: Vec<bool>,
-    /// By route: whether every part for which its condition is evaluated takes it.
+    /// By route: whether every part for which the route's condition is evaluated takes the route.
     pub always: Vec<bool>,
-    /// By route: whether chance guarantees that it is taken again and again as long as parts come.
+    /// By route: whether chance guarantees that the route is taken again and again as long as parts
+    /// come.
     pub by_chance: Vec<bool>,
-    /// A way on which parts keep moving without time passing.
+    /// A way on which parts keep moving without time passing; `None` if there is none.
     pub timeless: Option<Timeless>,
 }
 
@@ -100,8 +101,9 @@ impl Calls {
     }
 }
 
-/// Explores the calls of a line accepted by the resolver. `interpreter` returns the machine of a
-/// station with its controllers; without one nothing is known of that station.
+/// Explores the calls of a line accepted by the resolver. `interpreter` returns an interpreter of a
+/// station's machine with its controllers. If it returns `None`, nothing is known about that
+/// station.
 pub fn examine(
     line: &Line,
     interpreter: impl Fn(&Machine) -> Option<Interpreter>,
@@ -171,7 +173,7 @@ fn is_alone(line: &Line, route: usize) -> bool {
     rivals.count() == 1
 }
 
-/// The machine of a station.
+/// The machine of a station; `None` if the node is not a station.
 fn machine_of(line: &Line, node: usize) -> Option<&Machine> {
     match &line.nodes[node].kind {
         NodeKind::Station { machine, .. } => Some(machine),

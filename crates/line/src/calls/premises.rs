@@ -1,4 +1,4 @@
-//! Premises: what the proof of a line takes for granted of the world around it.
+//! Premises: what the proof of a line takes for granted about the world around it.
 
 use super::Calls;
 use crate::abstraction::Shape;
@@ -14,8 +14,8 @@ pub struct Premise {
     pub text: String,
 }
 
-/// The premises of a line, given the result of exploring its calls. The line is the one that the
-/// user wrote.
+/// The premises of a line. `line` is as the user wrote it, and `calls` is the result of exploring
+/// its calls.
 pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     let mut found = Vec::new();
     for (node, declared) in line.nodes.iter().enumerate() {
@@ -55,7 +55,8 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     found
 }
 
-/// Stock is finite, and what a store gives out of its received parts need not come again.
+/// Adds the premises of a store. Its stock is finite, and there need not be another arrival after a
+/// part that it received and handed on.
 fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
     let store = &line.nodes[node].name;
     for (part, kind) in line.parts.iter().enumerate() {
@@ -80,8 +81,9 @@ fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
     }
 }
 
-/// A source on order makes as many parts as the wanted products need. If one of them leaves the
-/// line otherwise and is not ordered again, some product lacks it.
+/// Returns the premise of a source on order, if there is one. The source makes as many parts as the
+/// requested products need. If one of these parts leaves the line, but not in a product, and is not
+/// reordered, some product lacks it.
 fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Premise> {
     let contents = Shape::contents(line);
     if contents[line.product][part] == 0 {

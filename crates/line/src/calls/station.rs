@@ -1,8 +1,9 @@
 //! The calls of one station: every possible call in every state that calls can lead to.
 //!
-//! A call is a task with the values given to the machine. After a refused call the station is as it
-//! was before the operation that failed, as in the runner; earlier operations of the same task have
-//! taken effect.
+//! A call is a task with the values given to the machine. After a refused call, the station is in
+//! the same state as in the runner: the state before the operation that failed, or the initial
+//! state if the operation reached the step limit. Earlier operations of the same task have taken
+//! effect.
 
 use super::{Real, ordered, plain};
 use linewright_language::contract::line::Task;
@@ -18,7 +19,8 @@ pub(super) struct StationModel {
     relevance: Relevance,
     states: Vec<State>,
     known: BTreeMap<State, usize>,
-    /// By state, the predecessor and call by which it was first reached.
+    /// By state: the state and the call from which it was first reached; `None` for the initial
+    /// state.
     before: Vec<Option<(usize, usize)>>,
     /// Possible calls.
     pub calls: Vec<Call>,
@@ -34,14 +36,14 @@ pub(super) struct Call {
     pub task: usize,
     /// Values of the machine's properties.
     pub values: Vec<Real>,
-    /// Answers by state.
+    /// Answers and refusals, by the state in which the call was tried.
     pub answers: BTreeMap<usize, Result<Answer, Refusal>>,
 }
 
 /// Result of a task.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Answer {
-    /// The machine's properties afterwards.
+    /// Values of the machine's properties after the task.
     pub values: Vec<Real>,
     /// Duration in seconds.
     pub seconds: Real,
@@ -52,7 +54,7 @@ pub(super) struct Answer {
 pub(super) struct Refusal {
     /// Index of the operation in the machine.
     pub operation: usize,
-    /// The library's error.
+    /// The error that the station library reports.
     pub error: CallError,
 }
 
@@ -72,7 +74,7 @@ impl StationModel {
         }
     }
 
-    /// Adds a possible call; returns whether it is new.
+    /// Adds a possible call. Returns its index, and whether it is new.
     pub fn ask(&mut self, task: usize, values: Vec<Real>) -> (usize, bool) {
         let key = (task, values);
         if let Some(known) = self.asked.get(&key) {
@@ -89,7 +91,8 @@ impl StationModel {
         (index, true)
     }
 
-    /// Tries one call in one state; returns the call and the steps used. `None` if all were tried.
+    /// Tries one call in one state. Returns the state, the call and the number of steps used;
+    /// `None` if all have been tried.
     pub fn try_next(&mut self, tasks: &[Task]) -> Option<(usize, usize, u64)> {
         let (state, call) = self.open.pop_front()?;
         let task = &tasks[self.calls[call].task];
@@ -106,7 +109,8 @@ impl StationModel {
         Some((state, call, steps))
     }
 
-    /// Runs the operations of a task, as the runner does.
+    /// Runs the operations of a task in a state, as the runner does. Returns the next state, the
+    /// answer and the number of steps.
     fn perform(
         &self,
         state: usize,
@@ -159,7 +163,7 @@ impl StationModel {
         self.states.len()
     }
 
-    /// The calls that lead to a state, in order.
+    /// The calls that lead from the initial state to this state, in order.
     pub fn way_to(&self, mut state: usize) -> Vec<usize> {
         let mut calls = Vec::new();
         while let Some((from, call)) = self.before[state] {
@@ -170,8 +174,8 @@ impl StationModel {
         calls
     }
 
-    /// Number of steps taken by an operation that exceeds the machine's limit, if it ends within
-    /// many times that limit.
+    /// Number of steps of the longest operation of a call, under a far larger step limit (at most
+    /// `most`); `None` if an operation does not end within it.
     pub fn steps_needed(&self, state: usize, task: &Task, call: &Call, most: u64) -> Option<u64> {
         let mut machine = self.interpreter.machine().clone();
         machine.step_limit = machine.step_limit.saturating_mul(1000).min(most);

@@ -1,12 +1,12 @@
 //! Determines whether parts can keep moving at one instant.
 //!
-//! Moving, waiting in a buffer or a store, and work shorter than [`MIN_SECONDS`] take no time.
-//! Such ways are followed with the values of parts, so that a part that goes round three times and
-//! then leaves is no cycle. Parts move for ever at one instant
+//! Moving, waiting in a buffer or a store, and work shorter than [`MIN_SECONDS`] take no time. The
+//! graph distinguishes the values of parts, so that a part that goes round three times and then
+//! leaves is not a cycle. Parts can move for ever at one instant if there is
 //!
-//! - on a cycle of such ways, or
-//! - where a source that always has another part leads to a sink or a store by such ways alone,
-//!   since neither is ever full. The stock of a store is finite, but a very large one counts as
+//! - a cycle of edges that take no time, or
+//! - a path of such edges from a source that always has another part to a sink or a store, since
+//!   neither is ever full. The stock of a store is finite, but a very large stock counts as
 //!   endless. A joined part comes as often as the slowest of its components.
 
 use super::attractor::attractor;
@@ -22,29 +22,30 @@ pub struct Timeless {
     pub from: usize,
     /// End node; the same as the start for a cycle.
     pub to: usize,
-    /// Whether a part on it never takes any other way; otherwise values, chance or the order of
-    /// parts may lead to where time passes.
+    /// Whether parts certainly stay on this way; if false, values, chance or the order of parts can
+    /// lead them to a place where time passes.
     pub always: bool,
-    /// Stations that may work on a part without time passing.
+    /// Stations that can work on a part without time passing.
     pub stations: Vec<usize>,
 }
 
-/// A next step of a part.
+/// An edge of the walk: a possible next step of a part.
 struct Edge {
     to: usize,
-    /// Whether it can happen without time passing.
+    /// Whether the step can happen without time passing.
     free: bool,
-    /// Whether it never takes time.
+    /// Whether the step never takes time.
     always_free: bool,
 }
 
-/// The graph of a walk, with its durations.
+/// The graph of a walk, with the edges that take no time.
 struct Timed<'a> {
     walk: &'a Walk<'a>,
     edges: Vec<Vec<Edge>>,
 }
 
-/// Finds a way on which no time passes. Linear in the edges of the walk, except for joined parts.
+/// Finds a way on which no time passes. The run time is linear in the edges of the walk, except for
+/// joined parts.
 pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
     let all = 0..walk.vertices.len();
     let timed = Timed {
@@ -68,7 +69,7 @@ fn seconds(walk: &Walk<'_>, node: usize, call: usize) -> impl Iterator<Item = f6
     answers.flatten().map(|a| a.seconds.0)
 }
 
-/// Whether a station may work on a part in no time.
+/// Whether a station can work on a part in no time.
 fn is_quick(walk: &Walk<'_>, node: usize) -> bool {
     let calls = walk.stations[node].as_ref().map_or(0, |d| d.calls.len());
     (0..calls).any(|call| seconds(walk, node, call).any(|s| s < MIN_SECONDS))
@@ -102,8 +103,8 @@ impl Timed<'_> {
         &self.walk.vertices[at]
     }
 
-    /// Finds a cycle: what is left after repeatedly removing vertices without outgoing or without
-    /// incoming edges.
+    /// Finds a cycle of edges that take no time: what is left after repeatedly removing vertices
+    /// without outgoing or without incoming edges.
     fn cycle(&self) -> Option<(usize, usize, bool)> {
         let count = self.edges.len();
         let mut before = vec![Vec::new(); count];
@@ -145,7 +146,7 @@ impl Timed<'_> {
             vertex.stage == Stage::Comes
                 && matches!(kind, NodeKind::Sink { .. } | NodeKind::Store { .. })
         };
-        // By vertex, the node of a source that leads there in no time.
+        // By vertex: the node of a source from which parts reach it in no time.
         let mut origin: Vec<Option<usize>> = vec![None; self.edges.len()];
         let mut open: Vec<usize> = Vec::new();
         for at in self.walk.origins.iter().filter(|at| self.is_endless(**at)) {
@@ -172,7 +173,7 @@ impl Timed<'_> {
         Some((from?, to, origins.iter().any(|at| caught[*at])))
     }
 
-    /// Whether a source or a store has another part at once, however many it has given.
+    /// Whether a source or a store always has another part at once, however many have left it.
     fn is_endless(&self, origin: usize) -> bool {
         let origin = self.vertex(origin);
         self.walk.line.is_endless(origin.node, origin.part)
@@ -192,8 +193,8 @@ impl Timed<'_> {
             })
     }
 
-    /// Those of the given vertices from which parts neither reach a place where time passes, nor
-    /// leave the set except at an end.
+    /// By vertex: whether parts there never reach a place where time passes, and leave the set
+    /// `there` only at an end.
     fn never_out_of(&self, there: &[bool], is_end: impl Fn(usize) -> bool) -> Vec<bool> {
         let takes_time = |at: usize| {
             let edges = &self.edges[at];

@@ -1,10 +1,10 @@
 //! Properties that nothing depends on: no condition, range, time or controller reads them, not even
 //! indirectly.
 //!
-//! Such a property may take any number of values (a count of rework rounds), so its values are not
-//! followed one by one. It only has to be shown that they stay finite, by induction: from values
-//! within ±[`BOUND`] every change leads to values within it, in the arithmetic of doubles. If the
-//! induction fails, the property is followed like the others.
+//! Such a property can take arbitrarily many values (such as a count of rework rounds), so its
+//! values are not followed one by one. It suffices to show that they stay finite. The proof is by
+//! induction, in double-precision arithmetic: every change maps values within ±[`BOUND`] to values
+//! within ±[`BOUND`]. If the induction fails, the property is followed like the others.
 
 use linewright_language::contract::line::{InitialValue, Line, NodeKind, Task};
 use linewright_language::contract::machine::{
@@ -12,7 +12,7 @@ use linewright_language::contract::machine::{
 };
 use std::collections::BTreeSet;
 
-/// So large that increments are lost in rounding long before a value reaches it.
+/// A bound so large that increments are lost in rounding long before a value reaches it.
 const BOUND: f64 = 1e300;
 
 /// By part type and property: whether nothing depends on it.
@@ -28,26 +28,27 @@ pub(super) fn unread(line: &Line) -> Vec<Vec<bool>> {
         .collect()
 }
 
-/// A number that changes: a property of a part type, or of a machine during a task.
+/// Index of a number that can change: a property of a part type, or of a machine during a task.
 type Slot = usize;
 
-/// A value that a slot may receive.
+/// A value that a slot can receive.
 enum Value<'a> {
     Number(f64),
     Copy(Slot),
-    /// Computed from these slots and the wires of the machine.
+    /// The value of this expression, computed from these slots and the wires of the machine, if
+    /// any.
     Computed(&'a RealExpr, Vec<Slot>, Option<&'a Machine>),
 }
 
-/// All slots, with the values that they may receive.
+/// All slots, with the values that they can receive.
 struct Flows<'a> {
-    /// By part type, its first slot.
+    /// By part type: the slot of its first property.
     first: Vec<Slot>,
     changes: Vec<(Slot, Value<'a>)>,
     /// Slots that are read.
     read: BTreeSet<Slot>,
-    /// By slot, its range if it is known in advance: the slot only receives constants, or has the
-    /// range of a part's property.
+    /// By slot: its range if it is known in advance, because the slot only receives constants or
+    /// has the range of a part's property.
     ranges: Vec<Option<Interval>>,
 }
 
@@ -128,7 +129,8 @@ impl<'a> Flows<'a> {
             let part = self.first[task.part] + carried;
             self.changes.push((slot, Value::Copy(part)));
             self.changes.push((part, Value::Copy(slot)));
-            // A part with a value outside its range is not worked on.
+            // The station works on a part only if its values are in range, so the copied value is,
+            // too.
             let domain = &line.parts[task.part].properties[carried].domain;
             let is_written = machine.writes.iter().any(|(written, _)| *written == m);
             self.ranges[slot] = domain.as_ref().filter(|_| !is_written).map(Interval::of);
@@ -164,8 +166,8 @@ impl<'a> Flows<'a> {
         });
     }
 
-    /// Slots whose values are needed: those that are read, those that may leave the bound, and
-    /// those that these depend on.
+    /// Slots whose values are needed: those that are read, those that can leave the bound, and all
+    /// others that these depend on.
     fn needed(&self) -> BTreeSet<Slot> {
         let mut needed = self.read.clone();
         loop {
@@ -219,7 +221,7 @@ impl<'a> Flows<'a> {
         self.ranges[slot].unwrap_or(otherwise)
     }
 
-    /// Ranges of slots that only receive constants.
+    /// Sets the ranges of the slots that only receive constants.
     fn constants(&mut self) {
         let mut hulls: Vec<Option<Interval>> = vec![None; self.ranges.len()];
         let mut changing = vec![false; self.ranges.len()];
@@ -310,8 +312,8 @@ impl Interval {
         )
     }
 
-    /// Range of an expression; `None` if a value may not be finite. Rounding is monotone, so
-    /// evaluating the ends suffices.
+    /// Range of an expression; `None` if a value might not be finite. Rounding is monotone, so it
+    /// suffices to evaluate the ends of the operands' ranges.
     fn eval(
         value: &RealExpr,
         property: &impl Fn(usize) -> Self,

@@ -1,8 +1,9 @@
 //! The parts of a line and their values, from creation to exit.
 //!
 //! A vertex is a part type at a place with certain values. An edge is what happens to the part
-//! next. If there are several, the choice is up to chance ([`Choice::Chance`]) or left open here
-//! ([`Choice::Open`]): the state of a station, which part comes first, what is joined with what.
+//! next. If a vertex has several edges, either chance chooses ([`Choice::Chance`]), or the choice
+//! is left open here ([`Choice::Open`]): it depends on the state of a station, on which part comes
+//! first, or on what is joined with what.
 
 use super::station::{Answer, Refusal, StationModel};
 use super::unread::unread;
@@ -17,13 +18,13 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Stage of a part at a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stage {
-    /// Arrives at the node.
+    /// The part arrives at the node.
     Comes,
-    /// Has been joined there and is about to be worked on.
+    /// The part has been joined at the node and is about to be worked on.
     Joined,
-    /// The station has finished work on it; defects come next.
+    /// The station has finished work on the part; defects come next.
     Served,
-    /// Is about to leave the node.
+    /// The part is about to leave the node.
     Leaves,
 }
 
@@ -43,21 +44,21 @@ pub(super) struct Vertex {
     pub node: usize,
     pub part: usize,
     pub values: Vec<Real>,
-    /// The vertex by which it was first reached.
+    /// The vertex from which this one was first reached; `None` where a part is made.
     pub before: Option<usize>,
     /// Possible next vertices.
     pub next: BTreeSet<usize>,
     pub choice: Choice,
-    /// The call that it makes at its station.
+    /// Index of the call that the part makes at its station, if any.
     pub call: Option<usize>,
-    /// The route by which it leaves.
+    /// Index of the route by which the part leaves, if any.
     pub route: Option<usize>,
 }
 
 /// A value outside the range of its property.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RangeViolation {
-    /// The part that receives it.
+    /// The vertex of the part that receives the value.
     pub vertex: usize,
     /// Index of the property.
     pub property: usize,
@@ -75,13 +76,14 @@ pub(super) struct Walk<'a> {
     pub vertices: Vec<Vertex>,
     known: BTreeMap<(Stage, usize, usize, Vec<Real>), usize>,
     open: Vec<usize>,
-    /// By node, for stations whose controllers are known.
+    /// By node: the model of its station; `None` if the node is no station or its controllers are
+    /// unknown.
     pub stations: Vec<Option<StationModel>>,
-    /// By node and call, the vertices that make it.
+    /// By node and call: the vertices that make the call.
     callers: BTreeMap<(usize, usize), Vec<usize>>,
     /// Vertices where parts are made.
     pub origins: Vec<usize>,
-    /// Parts without a way onward.
+    /// Vertices at which a part has no way onward.
     pub stranded: Vec<usize>,
     /// Values outside their ranges.
     pub range_violations: Vec<RangeViolation>,
@@ -169,7 +171,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Records that there are too many combinations of values to follow.
+    /// Records that there are too many combinations of values to follow. `what` begins the reason,
+    /// such as `parts can have`.
     fn give_up(&mut self, node: usize, what: &str) {
         let most = self.bounds.values;
         let why = format!("{what} more than {most} combinations of values");
@@ -219,7 +222,7 @@ impl<'a> Walk<'a> {
         routes.any(|r| r.from == node && r.part == part)
     }
 
-    /// Returns the vertex; a new one is explored later.
+    /// Returns the index of a vertex. A new vertex is added, to be explored later.
     fn reach(
         &mut self,
         stage: Stage,
@@ -285,7 +288,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Leaves by the first route whose condition holds.
+    /// Lets a part leave by the first route whose condition holds.
     fn leave(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
@@ -317,7 +320,7 @@ impl<'a> Walk<'a> {
 
     fn come_to_station(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
-        // Follows the station's own rules (`plant/station.rs`).
+        // The same rules as in the runner (`plant/station.rs`).
         let comes = |kind: usize| {
             let mut routes = self.line.routes.iter();
             routes.any(|r| r.to == node && r.part == kind)
@@ -347,7 +350,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A component has arrived: adds everything that it can be joined into.
+    /// Handles the arrival of a component: adds every part that it can be joined into.
     fn join(&mut self, at: usize, task: usize) {
         let Vertex {
             node,
@@ -356,7 +359,8 @@ impl<'a> Walk<'a> {
         } = self.vertices[at];
         let made = self.tasks(node)[task].part;
         let declared = &self.line.parts[made];
-        // Only the first component of a type passes on its values.
+        // Only the first component of each type passes on its values, so one vertex per type is
+        // chosen.
         let mut sites: Vec<(usize, Vec<usize>)> = Vec::new();
         for (kind, count) in &declared.bill {
             let there = self.vertices.iter().enumerate().filter(|(index, v)| {
@@ -398,12 +402,13 @@ impl<'a> Walk<'a> {
             for from in chosen {
                 self.vertices[from].next.insert(joined);
             }
-            // One of several components may pass nothing on to the joined part.
+            // If several components of its type are joined, the arriving one might not be the
+            // chosen one.
             self.vertices[at].next.insert(joined);
         }
     }
 
-    /// A part calls the station.
+    /// Lets a part call its station for a task.
     fn ask(&mut self, at: usize, task: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
@@ -442,8 +447,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Tries calls of all stations until there is a new answer. Returns whether there was a call to
-    /// try.
+    /// Tries the open calls of all stations, until none is left or the bound on steps is exceeded.
+    /// Returns whether there was a call to try.
     fn serve(&mut self) -> bool {
         let mut tried = false;
         for node in 0..self.stations.len() {
@@ -485,7 +490,7 @@ impl<'a> Walk<'a> {
         self.connect(at, Stage::Served, node, part, values);
     }
 
-    /// Gives the part a defect or not, by chance.
+    /// Applies the defects of a station to a part: each occurs or not, by chance.
     fn defects(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
@@ -499,7 +504,8 @@ impl<'a> Walk<'a> {
             wrong.push((property, values[property], None));
             outcomes.clear();
         }
-        // Values between two defects are not restricted; those with which the part leaves are.
+        // Between two defects, a value can be out of range. Only the values with which the part
+        // leaves must be in range.
         for defect in defects.iter().filter(|d| d.part == part) {
             let mut then = BTreeSet::new();
             for values in &outcomes {
@@ -535,7 +541,7 @@ impl<'a> Walk<'a> {
         self.range_violations.extend(wrong);
     }
 
-    /// Determines which routes are taken, and which of them always.
+    /// Determines which routes are taken, and which are always taken.
     pub fn routes(&self, calls: &mut Calls) {
         let taken: BTreeSet<usize> = self.vertices.iter().filter_map(|v| v.route).collect();
         for (index, route) in self.line.routes.iter().enumerate() {
@@ -550,7 +556,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Refused calls of a station, with the states in which they are refused.
+    /// The refused calls of a station: the call, the state in which it is refused, and the refusal.
     pub fn refusals(&self, node: usize) -> Vec<(usize, usize, &Refusal)> {
         let calls = self.stations[node]
             .iter()
@@ -580,7 +586,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The values with which a part may leave after one defect.
+/// The combinations of values that a part can have after one defect.
 fn with_defect(defect: &Defect, values: &[Real]) -> Vec<Vec<Real>> {
     let may_be_spared = defect.probability < 1.0 || defect.properties.is_empty();
     let mut outcomes = Vec::new();

@@ -1,20 +1,23 @@
-//! Conveyors with a contract: the runner steps their controller and moves the parts as its outputs
-//! say.
+//! Conveyors with a contract: the runner steps the conveyor's controller and moves the parts
+//! according to its outputs.
 //!
 //! A belt is a Moore machine: `s[i]` and `ready` of a step describe the state before that step's
-//! inputs take effect. Every pitch/speed seconds the runner sets `load` (a part waits to come on)
+//! inputs take effect. Every pitch/speed seconds, the runner sets `load` (a part waits to come on)
 //! and `unload_ready` (the next node would take the first part), and reads the outputs. The number
-//! of occupied places must equal the number of parts that the runner holds, and no part may have
-//! moved backward; otherwise a part was lost or doubled. Then a part comes off if `unload_ready`
-//! met an occupied last place, and one comes on if `load` met `ready`.
+//! of occupied places must equal the number of parts that the runner counts on the belt, and no
+//! part must have moved backward; otherwise a part was lost or doubled. Then the first part comes
+//! off if `unload_ready` is set and the last place is occupied, and a part comes on if both `load`
+//! and `ready` are set.
 //!
-//! A belt whose outputs have not changed for a while under unchanged inputs is no longer stepped,
-//! so that a line in which nothing can move has an empty calendar. A change at a neighbor wakes it
-//! at the next multiple of its period. Before it sleeps, it gets as many more steps as it has
-//! places, because a controller may go through hidden states.
+//! A belt is no longer stepped once its inputs and outputs have not changed for a while, so that
+//! the calendar becomes empty if nothing in the line can move. A change at a neighbor wakes the
+//! belt at the next multiple of its period. The belt falls asleep only after more unchanged steps
+//! than it has places, because the controller might pass through states that its outputs do not
+//! show.
 //!
-//! A belt can hand over and take parts only in its own step, so there is a place between two belts.
-//! Turns at the next node are decided as for all other nodes; see `flow.rs`.
+//! A belt can hand over and take parts only in its own step, so each belt has an `inlet`: a place
+//! for a part that the belt before it has handed over. Turns at the next node are decided as for
+//! all other nodes; see `flow.rs`.
 
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
@@ -32,23 +35,25 @@ pub(super) struct BeltState {
     /// A part handed over by another belt and not yet on this one, with the sequence number of its
     /// arrival.
     pub inlet: Option<(PartIndex, u64)>,
-    /// Values of the plant's wires.
+    /// Values of the plant's wires in the current step.
     plant: Vec<i64>,
-    /// Constant values of plant wires other than the belt's own two, from the properties' defaults.
+    /// By plant wire: its constant value, from the defaults of the machine's properties; `None` if
+    /// a script sets it. Unused for `load` and `unload_ready`.
     constants: Vec<Option<i64>>,
     outputs: Vec<i64>,
     last_outputs: Vec<i64>,
     last_inputs: (bool, bool),
     /// Number of steps made.
     steps: u64,
-    /// Multiple of the period at which it is stepped next.
+    /// The multiple of the period at which the next step takes place.
     tick: u64,
     ticking: bool,
     /// Number of successive steps without a change.
     quiet: u32,
     /// Whether a part came on or off in the last step.
     handed: bool,
-    /// Number of steps in which it was the first part's turn and it was not handed over.
+    /// Number of steps in which the first part had its turn at the next node but was not handed
+    /// over.
     kept: usize,
     pub moving_seconds: f64,
     pub carried: u64,
@@ -116,7 +121,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Steps the belt again because a neighbor has changed.
+    /// Resumes the steps of a belt because a neighbor has changed.
     pub(super) fn wake(&mut self, node: usize) {
         let now = self.now;
         let Some((_, period)) = self.belt_declared(node) else {
@@ -132,7 +137,7 @@ impl<'a> Run<'a> {
         self.schedule(time, BELT, Event::Tick(node as u32));
     }
 
-    /// One step of the controller.
+    /// Steps the controller once.
     pub(super) fn tick(&mut self, node: usize) {
         let Some((declared, period)) = self.belt_declared(node) else {
             return;
@@ -248,8 +253,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Whether the next node would take the first part; true if there is no part, since then
-    /// nothing is in its way.
+    /// Whether the next node would take the first part; true if there is no part on the belt,
+    /// because then nothing is in the way of the next one.
     fn unload_ready(&mut self, node: usize, outlet: usize) -> bool {
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return true;
@@ -292,7 +297,7 @@ impl<'a> Run<'a> {
     }
 
     /// Assigns the parts to the occupied places that the controller reports. Returns whether any
-    /// has moved, or an error.
+    /// part has moved, or the message if one was lost or doubled.
     fn compare(&mut self, node: usize, occupied: &[usize]) -> Result<bool, String> {
         let held = self.belt(node).held.len();
         if occupied.len() != held {
@@ -330,7 +335,7 @@ impl<'a> Run<'a> {
         Ok(moved)
     }
 
-    /// Registers that the first part waits for its next node, if it does not already.
+    /// Registers that the first part waits for its next node, unless this is already registered.
     fn ask(&mut self, node: usize, outlet: usize) {
         if self.outlets[outlet].part.is_some() {
             return;
@@ -345,7 +350,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The first part had its turn at the next node and did not go: those behind it go first.
+    /// Ends the turn of the first part, which was not handed over to the next node: parts that wait
+    /// behind it go first.
     fn decline(&mut self, node: usize, outlet: usize) {
         self.belt(node).kept = 0;
         let Some(to) = self.outlets[outlet].to else {
@@ -371,7 +377,7 @@ impl<'a> Run<'a> {
                 .of_mut(to)
                 .retain(|request| request.outlet != outlet);
             self.transfer(outlet);
-            // Parts behind it in the queue gave way to it.
+            // The requests behind this one had to wait for it; now they are examined.
             self.look_at(to);
         }
     }
@@ -383,7 +389,7 @@ impl<'a> Run<'a> {
         belt.carried += 1;
     }
 
-    /// A part comes on, or, if it comes from another belt, into the place before the belt.
+    /// Puts an arriving part onto the belt or, if it comes from another belt, into the inlet.
     pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
         if matches!(self.places[from], Place::Belt(_)) {

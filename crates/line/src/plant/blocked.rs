@@ -1,9 +1,10 @@
-//! Explains why a line stands still: follows who waits for whom until a cycle closes or the chain
-//! ends at something that will never come.
+//! Explains why a line stands still: follows from node to node who waits for whom, until a cycle
+//! closes or the chain ends at something that will never come.
 //!
-//! A part at an outlet waits for one node, so each waiting node has one successor: the node it
-//! waits for; for a station that lacks a component, the node that holds or makes one. Following the
-//! successors from every outlet in order finds a cycle if there is one.
+//! A part at an outlet waits for one node, so each waiting node has one successor: the node that it
+//! waits for. The successor of a station that lacks a component is the node that holds or makes
+//! such a component. If there is a cycle, following the successors from every outlet in order finds
+//! one.
 
 use super::{Place, Run};
 use crate::plant::part::PartIndex;
@@ -11,7 +12,7 @@ use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{NodeKind, Supply};
 
-/// Why a node does not proceed, and the node that causes this.
+/// Why a node does not proceed, and the node that it waits for, if any.
 struct Reason {
     text: String,
     next: Option<usize>,
@@ -26,8 +27,8 @@ struct Chain {
 }
 
 impl Run<'_> {
-    /// Nothing will happen any more: adds a finding, unless the run was only limited in time and
-    /// all work is done.
+    /// Ends a run in which nothing will happen any more. Adds a finding, unless the run was limited
+    /// only by time and all work is done.
     pub(super) fn end_blocked(&mut self) -> End {
         let chain = self.chain();
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
@@ -63,7 +64,7 @@ impl Run<'_> {
                     self.supplies(None),
                     self.not_replaced()
                 ),
-                "Let a source make more parts (a rejecting sink can reorder them), or require fewer products."
+                "Let a source make more parts (a sink that rejects parts can order replacements), or require fewer products."
                     .to_owned(),
             ),
         };
@@ -87,7 +88,7 @@ impl Run<'_> {
         End::Blocked
     }
 
-    /// Only shifts begin and end from now on.
+    /// Advances the run to its end, because from now on only shifts begin and end.
     fn wait_until(&mut self, horizon: f64) {
         let rest = horizon - self.now;
         let worked = self.line.shift.map_or(rest, |shift| {
@@ -101,7 +102,8 @@ impl Run<'_> {
         self.now = horizon;
     }
 
-    /// Message on the number of rejected parts that were not ordered again, if any.
+    /// Text about the number of rejected parts that were not ordered again; empty if there are
+    /// none.
     fn not_replaced(&self) -> String {
         match self
             .counters
@@ -144,7 +146,8 @@ impl Run<'_> {
         }
     }
 
-    /// The first cycle; otherwise the first chain that ends somewhere; `None` if no part waits.
+    /// Returns the first cycle; if there is none, the first chain that ends somewhere; `None` if
+    /// nothing waits.
     fn chain(&self) -> Option<Chain> {
         let waiting = self
             .outlets
@@ -219,7 +222,7 @@ impl Run<'_> {
             }
             (Some((part, None)), _) => Some(Reason {
                 text: format!(
-                    "{name} keeps {} {}, which has no way onward",
+                    "{name} holds {} {}, which has no way onward",
                     self.type_name(self.parts[part].kind),
                     self.parts[part].number
                 ),
@@ -283,7 +286,7 @@ impl Run<'_> {
     /// All parts at a node that have entered the line.
     pub(super) fn held(&self, node: usize) -> Vec<PartIndex> {
         match &self.places[node] {
-            // Parts that these keep at an outlet have not entered the line.
+            // A part at the outlet of a source has not entered the line, and a sink holds no parts.
             Place::Source(_) | Place::Sink => Vec::new(),
             Place::Store(store) => store.parts().collect(),
             Place::Station(station) => station.parts().collect(),
@@ -298,8 +301,8 @@ impl Run<'_> {
         }
     }
 
-    /// The part type of a source and its `at most N in the line`, if that keeps it from making a
-    /// part.
+    /// The part type of a source and its `at most N in the line`, if this limit prevents the source
+    /// from making a part.
     fn limit_reached(&self, node: usize) -> Option<(usize, u32)> {
         match (&self.line.nodes[node].kind, &self.places[node]) {
             (
@@ -316,19 +319,19 @@ impl Run<'_> {
         }
     }
 
-    /// Sources that make no part because of their `at most N in the line`, in words.
+    /// Describes the sources that make no part because of their `at most N in the line`.
     fn paused_sources(&self) -> Vec<String> {
         let paused = (0..self.places.len()).filter_map(|node| {
             let (part, most) = self.limit_reached(node)?;
             let (name, part) = (self.name(node), self.type_name(part));
             Some(format!(
-                "{name} makes no part while {most} {part} are in the line or kept by a source"
+                "{name} makes no part while {most} {part} are in the line or held by a source"
             ))
         });
         paused.collect()
     }
 
-    /// State of the sources and stocks of a type, or of all.
+    /// Describes the state of the sources and stocks of a part type or, with `None`, of all.
     fn supplies(&self, wanted: Option<usize>) -> String {
         let is = |kind: usize| wanted.is_none_or(|wanted| wanted == kind);
         let mut texts = Vec::new();

@@ -1,11 +1,15 @@
 //! Accumulating conveyors, that is, conveyors without a contract.
 //!
 //! Parts are not moved from place to place. The times at which parts come on and off describe a
-//! belt of `n` places with a period of `d` seconds per place exactly: a part needs `n d` from end
-//! to end, comes off no sooner than `d` after the one before it (which it followed by at least a
-//! pitch), and can come on when the last one has moved up by a pitch, which takes `d` (it cannot be
-//! stopped before, since fewer than `n` are ahead of it). All parts that had closed up start moving
-//! together when the first leaves.
+//! belt of `n` places with a period of `d` seconds per place exactly:
+//!
+//! - A part needs at least `n d` seconds from end to end.
+//! - A part comes off at least `d` seconds after the part ahead of it, because it follows that part
+//!   at a distance of at least one pitch.
+//! - A part can come on if fewer than `n` parts are on the belt and `d` seconds have passed since
+//!   the part ahead of it came on. By then, that part has moved up by one pitch: nothing has
+//!   stopped it, because fewer than `n` parts were ahead of it.
+//! - When the first part leaves, all parts that had closed up start moving together.
 
 use super::{Event, Place, Run, WORK};
 use crate::plant::part::PartIndex;
@@ -16,17 +20,18 @@ use std::collections::VecDeque;
 /// State of a conveyor.
 #[derive(Debug, Default)]
 pub(super) struct Conveyor {
-    /// Parts, the first to leave in front, with the time at which each would reach the end if its
-    /// way were free.
+    /// Parts, the first to leave in front, each with the time at which it would reach the end if
+    /// its way were free.
     pub parts: VecDeque<(PartIndex, f64)>,
     /// Time at which the next part can come on.
     opens: f64,
     /// Time at which the next part can come off.
     closes: f64,
-    /// Whether an event is already scheduled, for the first part's arrival and for the first place.
+    /// Whether the event for the first part's arrival is scheduled, and whether that for the first
+    /// place is.
     arriving: bool,
     reopening: bool,
-    /// Time until which something moves; moving time is counted up to `booked`.
+    /// Time until which something moves; moving time has been counted up to `booked`.
     moving_until: f64,
     booked: f64,
     moving_seconds: f64,
@@ -127,7 +132,7 @@ impl Run<'_> {
         conveyor.parts.pop_front();
         conveyor.carried += 1;
         conveyor.closes = now + period;
-        // The remaining parts move up by one pitch more than they would have.
+        // Without the part that left, the remaining parts can move up by one more pitch.
         conveyor.moving_until = if conveyor.parts.is_empty() {
             now
         } else {

@@ -7,7 +7,7 @@ use crate::statistics::LeadTimes;
 pub(super) struct Counters {
     /// Number of complete end products, in a sink or in a store.
     pub products: u64,
-    /// Number of those that are in a store.
+    /// Number of `products` that are in a store.
     pub stored: u64,
     /// Time at which the last end product was complete, in seconds.
     pub makespan: f64,
@@ -19,15 +19,15 @@ pub(super) struct Counters {
     pub finished: u64,
     /// Number of parts that were joined to others.
     pub consumed: u64,
-    /// By type: number of parts made or given out that have not left the line, whether separate or
-    /// joined to others.
+    /// By type: number of parts that were made or given out and have not left the line, whether
+    /// separate or joined to others.
     pub in_line: Vec<u64>,
-    /// By type: number of rejected parts, and number ordered again for them.
+    /// By type: number of rejected parts, and number of parts ordered to replace them.
     pub rejects: Vec<(u64, u64)>,
 }
 
 impl Counters {
-    /// Zero counters for this many part types. `seed` seeds the sample of lead times.
+    /// Creates counters for this many part types, all 0. `seed` seeds the sample of lead times.
     pub(super) fn new(types: usize, seed: u64) -> Self {
         Self {
             products: 0,
@@ -42,8 +42,8 @@ impl Counters {
         }
     }
 
-    /// Counts an end product that entered at `entered_at` and is complete at `now`; `stored` if it
-    /// is in a store.
+    /// Counts an end product that entered at `entered_at` and is complete at `now`. `stored` states
+    /// whether it is in a store.
     pub(super) fn count_product(&mut self, now: f64, entered_at: f64, stored: bool) {
         self.products += 1;
         self.stored += u64::from(stored);

@@ -1,4 +1,4 @@
-//! The end of a run: closes and checks the accounts, and makes a trace of them.
+//! The end of a run: closes and checks the accounts, and creates the trace.
 
 use super::{Place, Run};
 use crate::metric;
@@ -76,7 +76,7 @@ impl Run<'_> {
             },
             parts,
             lead_time: self.counters.lead_times.summary(),
-            // The sum of no numbers is -0.
+            // Starts from 0, because the sum of no numbers is -0.
             joules: 0.0
                 + stations.iter().map(|s| s.joules).sum::<f64>()
                 + conveyors.iter().map(|c| c.joules).sum::<f64>(),
@@ -128,7 +128,7 @@ impl Run<'_> {
     }
 }
 
-/// Figures of stations and contracted belts per machine.
+/// Sums up the statistics of stations and contracted belts by machine.
 fn machines(
     stations: &[StationStatistics],
     conveyors: &[ConveyorStatistics],

@@ -1,26 +1,30 @@
 //! Moves parts from node to node: ways, outlets, admission, and order.
 //!
 //! Each node has an *outlet* for the part that would leave next; a store has one for each type that
-//! leaves it. A part at an outlet has chosen its way. It moves when the next node admits it;
-//! otherwise it waits in that node's queue. A node that has lost a part, or may have received one
-//! to hand on, is put on a list of nodes to examine again, until nothing moves any more at this
-//! instant.
+//! leaves it. Once a part is at an outlet, its way is fixed. The part moves when the next node
+//! admits it; until then, it waits in that node's queue. A node that has handed on a part, or that
+//! might have received a part to hand on, is put on a list of nodes to examine again. The list is
+//! processed until nothing moves any more at this instant.
 //!
 //! # Turns
 //!
-//! A part that is ready to leave and finds no room is a *request* to the next node. Requests are
-//! numbered as they begin. A belt's part becomes a request in the step in which it is seen at the
-//! last place, and the components of a complete bill when the last of them arrives. **Room is given
-//! to the oldest request that the node would take**; a newcomer waits as long as there is one. So
-//! no request is overtaken by a later one.
+//! A part that is ready to leave and finds no room becomes a *request* to the next node. Requests
+//! are numbered as they begin. A part on a belt becomes a request in the step in which it is seen
+//! at the last place. The components of a complete bill count as a request from the arrival of the
+//! last one. **Room is given to the oldest request that the node would take**; a newcomer waits as
+//! long as there is such a request. So no request is overtaken by a later one.
 //!
-//! A belt can hand over only when it is stepped. When it is its turn, it is woken, and the room is
-//! reserved until then, even if another part could go at once. This must not last for ever,
-//! whatever a controller does. A belt goes to the end of the queue if it did not hand over in as
-//! many steps with its turn as it has places, plus two, or if it refused such a step, or if it
-//! falls asleep without handing over; it is then passed over until something changes at the node.
-//! So as long as a node has room that some request waits for, either it will be examined, or a belt
-//! with its turn will be stepped, or everyone who could come has had a turn and did not.
+//! A belt can hand over a part only when it is stepped. When a belt has its turn, it is woken, and
+//! the room is reserved until its step, even if another part could go at once. This must not last
+//! for ever, whatever a controller does. A belt therefore goes to the end of the queue
+//!
+//! - if it had its turn in more than `places + 2` steps and did not hand over its part,
+//! - if its controller refused a step in which it had its turn, or
+//! - if it falls asleep without handing over its part.
+//!
+//! The belt is then skipped until something changes at the node. So as long as a node has room that
+//! some request waits for, one of the following holds: the node will be examined, a belt that has
+//! its turn will be stepped, or every part that could come has had a turn and did not come.
 
 use super::part::PartIndex;
 use super::queue::Request;
@@ -36,9 +40,9 @@ use std::ops::Range;
 pub(super) struct Outlet {
     /// The node.
     pub node: usize,
-    /// At a store, the only part type it serves.
+    /// The only part type that the outlet of a store serves; `None` at other nodes.
     pub kind: Option<usize>,
-    /// The part that would leave.
+    /// The part that would leave; `None` if the outlet is empty.
     pub part: Option<PartIndex>,
     /// Index of the next node; `None` if no route applies.
     pub to: Option<usize>,
@@ -82,7 +86,8 @@ impl Ways {
     }
 }
 
-/// The empty outlets of a line, and the first one of each node.
+/// The outlets of a line, all empty, and the index of each node's first outlet, followed by the
+/// number of outlets.
 pub(super) fn outlets(line: &Line) -> (Vec<Outlet>, Vec<usize>) {
     let mut outlets = Vec::new();
     let mut first = Vec::new();
@@ -161,7 +166,7 @@ impl Run<'_> {
         }
     }
 
-    /// A part is ready to leave: chooses its way, then moves it or lets it wait.
+    /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
         let node = self.outlets[outlet].node;
         let to = self.way(node, part);
@@ -176,7 +181,7 @@ impl Run<'_> {
         }
         self.request(outlet, to, kind);
         if admitted {
-            // It gives way to a request that must be served.
+            // An older request goes first, so the node is examined to serve it.
             self.look_at(to);
         }
     }
@@ -191,7 +196,8 @@ impl Run<'_> {
         }
     }
 
-    /// The way by the first route whose condition holds.
+    /// The next node of a part, by the first route whose condition holds. If there is none, adds a
+    /// finding.
     pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<usize> {
         let Self { setup, parts, .. } = self;
         let part = &parts[part];
@@ -219,15 +225,15 @@ impl Run<'_> {
             self.journal.findings.push(
                 Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message)
                     .with_help(format!(
-                        "Add a route for {name} without a condition after the others."
+                        "After the other routes for {name}, add one without a condition."
                     )),
             );
         }
         None
     }
 
-    /// Whether a node has room for a part of this type coming from `from`. Belts take parts only
-    /// when they are stepped, except from one another; see there.
+    /// Whether a node has room for a part of this type coming from `from`. A belt takes parts only
+    /// when it is stepped, except from another belt; see `belt.rs`.
     pub(super) fn admits(&self, node: usize, kind: usize, from: usize) -> bool {
         match &self.places[node] {
             Place::Source(_) => false,
@@ -282,7 +288,8 @@ impl Run<'_> {
         }
     }
 
-    /// Moves an outlet's part along its way. The next node has room for it.
+    /// Moves an outlet's part along its way. The caller has checked that the next node has room for
+    /// it.
     pub(super) fn transfer(&mut self, outlet: usize) {
         let Outlet { node, part, to, .. } = self.outlets[outlet];
         let (Some(part), Some(to)) = (part, to) else {
@@ -337,7 +344,7 @@ impl Run<'_> {
         }
     }
 
-    /// A part leaves the line as finished; an end product may be the last one wanted.
+    /// Removes a finished part from the line. The last end product that is requested ends the run.
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;
@@ -355,7 +362,8 @@ impl Run<'_> {
         self.parts.remove(part);
     }
 
-    /// A part leaves the line as scrap, and a new one is ordered for it.
+    /// Removes a part from the line as scrap, and orders replacements from the source `reorder`, if
+    /// any.
     pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
         self.record(node, Some(part), EventKind::Rejected);
         let kind = self.parts[part].kind;
@@ -372,9 +380,9 @@ impl Run<'_> {
         }
     }
 
-    /// The source that replaces a part removed because of a violation: that of the first rejecting
-    /// sink whose source makes the part or something in it, or else that of the first rejecting
-    /// sink with a source.
+    /// The source from which a replacement is ordered for a part that was removed because of a
+    /// violation. Of the sources from which rejecting sinks reorder, this is the first that makes
+    /// the part or something in it; if there is none, the first of all.
     pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
         let types = self.line.parts.len();
         let sources = || {

@@ -16,16 +16,17 @@ pub(super) struct Journal {
     pub violations: Vec<Violation>,
     /// Total number of violations.
     pub violation_count: u64,
-    /// By node, rule and code: the finding for the first violation, and the number of violations.
+    /// By node, rule and code: the index of the finding for the first violation, and the number of
+    /// violations.
     violation_kinds: BTreeMap<(usize, Option<String>, i32), (usize, u64)>,
     /// Findings of the run.
     pub findings: Vec<Diagnostic>,
-    /// Nodes and types without a way onward.
+    /// Pairs of a node and a part type for which a part had no way onward.
     pub unroutable: Vec<(usize, usize)>,
 }
 
 impl Journal {
-    /// Adds to the finding of each rule how often it was violated.
+    /// Appends the number of violations to the finding of each rule that was violated repeatedly.
     pub(super) fn count_repeated_violations(&mut self) {
         for &(finding, count) in self.violation_kinds.values() {
             if count > 1 {

@@ -1,8 +1,8 @@
 //! The plant: a line with its controllers, ready to run, and the event loop.
 //!
-//! One event changes one node. Consequences at the same instant (a part moves up, so that another
-//! one moves up behind it) are handled by a list of nodes to examine again, never by recursion, so
-//! that a line of any length and shape runs with bounded stack. The behavior of each kind of node
+//! Each event changes one node. The consequences at the same instant (a part moves up, and another
+//! moves up behind it) are handled by a list of nodes to examine again, never by recursion. The
+//! stack is therefore bounded for lines of any length and shape. The behavior of each kind of node
 //! is in its own file here.
 
 mod belt;
@@ -52,24 +52,24 @@ pub struct Plant {
 struct Setup {
     line: Arc<Line>,
     options: Options,
-    /// Number of end products wanted.
+    /// Number of end products after which the run ends; `None` if they do not end it.
     target: Option<u64>,
-    /// Simulated seconds after which the run ends.
+    /// Simulated seconds after which the run ends; `None` if time does not end it.
     horizon: Option<f64>,
     ways: Ways,
-    /// The outlets without their parts, and each node's first outlet.
+    /// The outlets, all empty, and the index of each node's first outlet.
     outlets: Vec<Outlet>,
     first_outlet: Vec<usize>,
-    /// Number of parts of type `b` in one of type `a`, at `a * types + b`; 1 on the
-    /// diagonal.
+    /// Number of parts of type `b` in one part of type `a`, at index `a * types + b`; 1 if `a` is
+    /// `b`.
     contents: Vec<u64>,
 }
 
 /// An event in the calendar.
 #[derive(Debug, Clone, Copy)]
 enum Event {
-    /// Setup or service ends, or the station breaks down; outdated if the number differs from the
-    /// station's.
+    /// Setup or service ends, or the station breaks down; the event is outdated if its number
+    /// differs from the station's.
     Station(u32, u32),
     /// A station is repaired.
     Repair(u32),
@@ -85,8 +85,9 @@ enum Event {
     Shift,
 }
 
-/// Stations, sources and conveyors come first, then the shift (a service that ends with it has
-/// ended), then the belts, which see all of it.
+/// Priorities of events at one instant: first stations, sources and conveyors; then the shift, so
+/// that a service can end at the same instant as the shift; then the belts, which thus read the
+/// result of all other events.
 const WORK: u8 = 0;
 const SHIFT: u8 = 1;
 const BELT: u8 = 2;
@@ -126,11 +127,12 @@ struct Run<'a> {
 }
 
 impl Plant {
-    /// Prepares a line. `controllers` has a controller, by node, for each station and each conveyor
-    /// with a contract. A run ends as `options` say, or else as the line's `limit` says.
+    /// Prepares a line. `controllers` maps each station, and each conveyor with a contract, to its
+    /// controller. The `options` determine when a run ends; if they do not, the line's `limit`
+    /// does.
     ///
-    /// Returns `LW404` if a run would have no end, and `LW401` for a line that the resolver should
-    /// have rejected.
+    /// Returns `LW404` if a run would have no end or an invalid one, and `LW401` for a line that
+    /// the resolver should have rejected.
     pub fn new(
         line: Arc<Line>,
         controllers: BTreeMap<usize, Box<dyn Controller>>,
@@ -219,7 +221,7 @@ impl Plant {
         run.finish(end)
     }
 
-    /// Why no further run begins, once the wall-clock deadline is past.
+    /// Why no further run begins; `None` if the wall-clock deadline has not passed.
     pub(super) fn late(&self) -> Option<StopReason> {
         self.setup.options.deadline.check().err()
     }
@@ -295,8 +297,8 @@ impl<'a> Run<'a> {
             if let Some(end) = self.end {
                 return end;
             }
-            // Off shift, the calendar may hold only the shift, and the line may still continue in
-            // the morning.
+            // Off shift, the only event in the calendar might be the start of the next shift. The
+            // line is not blocked then: it can continue in the morning.
             if self.pending == 0 && self.on_shift {
                 return self.end_blocked();
             }
@@ -344,7 +346,7 @@ impl<'a> Run<'a> {
         self.calendar.schedule(time, priority, event);
     }
 
-    /// Schedules the next shift change; a shift without an end has none.
+    /// Schedules the next shift change, unless the shift lasts all day.
     fn schedule_shift(&mut self) {
         const DAY: f64 = Shift::DAY;
         let Some(shift) = self.line.shift else { return };
@@ -387,13 +389,13 @@ impl<'a> Run<'a> {
 }
 
 impl Setup {
-    /// Number of parts of type `b` in one of `a`, but at least one.
+    /// Number of parts of type `b` in one part of type `a`, but at least 1.
     fn content(&self, a: usize, b: usize) -> u64 {
         self.contents[a * self.line.parts.len() + b].max(1)
     }
 }
 
-/// The random stream of this run for a node and purpose.
+/// The random stream of a run for a purpose and the name of a node.
 fn stream(seed: u64, purpose: super::random::Purpose, name: &str) -> Stream {
     Stream::new(seed, purpose, name)
 }

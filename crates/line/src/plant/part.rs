@@ -10,13 +10,13 @@ pub(super) struct PartIndex(u32);
 /// One mobile unit.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Part {
-    /// Number, unique within the run, from 1.
+    /// Number, unique within the run, starting at 1.
     pub number: u64,
-    /// Its type.
+    /// Index of the part's type.
     pub kind: usize,
-    /// Whether it has entered the line; before that it is only kept by its source or store.
+    /// Whether it has entered the line; until then, its source or store holds it.
     pub entered: bool,
-    /// Time at which the first of its parts entered, in seconds.
+    /// Time at which the part, or the first of the components in it, entered the line, in seconds.
     pub entered_at: f64,
     /// Property values, in the order of the type's properties.
     pub properties: Vec<f64>,
@@ -32,7 +32,8 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Creates a part. `component` returns the first component of a type that it is joined from.
+    /// Creates a part. `component` maps a type to the first component of this type that the part is
+    /// joined from.
     pub(super) fn create(
         &mut self,
         line: &Line,
@@ -84,7 +85,7 @@ impl IndexMut<PartIndex> for Parts {
     }
 }
 
-/// Number of parts of type `b` in one of part type `a`, directly or in its components, at
+/// Number of parts of type `b` in one part of type `a`, directly or in its components. The index is
 /// `a * types + b`; a part contains itself once. Circular bills (which the resolver rejects) are
 /// followed only to a depth equal to the number of types.
 pub(super) fn contents(line: &Line) -> Vec<u64> {

@@ -1,21 +1,21 @@
-//! Detects that a run makes no progress: guards against a livelock, and against work that leads to
-//! no product.
+//! Detects that a run makes no progress: either a livelock, or work that leads to no product.
 
 use super::Run;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
-/// Latest instant of a run, in seconds: later, the clock does not resolve a microsecond.
+/// Latest time of a run, in seconds. Beyond it, the clock does not resolve a microsecond.
 pub(super) const LATEST_SECONDS: f64 = 4e9;
-/// Maximum number of movements and events at one instant, beyond which the run counts as standing
-/// still.
+/// Maximum number of movements and events at one instant, beyond which the run counts as a
+/// livelock.
 const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
-/// Maximum number of violations at one instant, likewise; each may cost a whole operation.
+/// Maximum number of violations at one instant, beyond which the run counts as a livelock. This
+/// limit is lower, because each violation can take as long to simulate as a whole operation.
 const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
 /// Maximum number of events since the last end product, beyond which a run that waits for products
 /// counts as making none.
 const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
-/// Maximum number of violations since the last end product, likewise.
+/// Maximum number of violations since the last end product, with the same meaning.
 const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 
 /// Activity since time last advanced, and since the last end product.
@@ -23,9 +23,9 @@ const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 pub(super) struct Progress {
     /// Time of the current instant, in seconds.
     instant: f64,
-    /// Movements and events at this instant.
+    /// Number of movements and events at this instant.
     at_instant: u64,
-    /// Violations at this instant.
+    /// Number of violations at this instant.
     pub violations_at_instant: u64,
     /// Number of events up to the last end product.
     events_at_product: u64,
@@ -56,7 +56,8 @@ impl Progress {
         self.violations_at_product = violations;
     }
 
-    /// Whether too much has happened since time last advanced.
+    /// Whether the run counts as a livelock, because of the number of events or violations since
+    /// time last advanced.
     pub(super) fn is_stuck_at_instant(&self) -> bool {
         self.at_instant > MAX_AT_ONE_INSTANT
             || self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT

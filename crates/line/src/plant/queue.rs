@@ -7,11 +7,12 @@ use std::collections::VecDeque;
 pub(super) struct Request {
     /// The outlet.
     pub outlet: usize,
-    /// Type of its part.
+    /// Type of the part at the outlet.
     pub kind: usize,
-    /// Sequence number of the moment it began to wait.
+    /// Sequence number, assigned when the outlet began to wait or lost its turn.
     pub order: u64,
-    /// Whether a belt had its turn and did not hand over; reset when the node is examined.
+    /// Whether the outlet is that of a belt that had its turn and did not hand over its part; reset
+    /// when the node is examined.
     pub declined: bool,
 }
 
@@ -59,7 +60,8 @@ impl Queues {
         });
     }
 
-    /// Moves an outlet that had its turn to the end of the queue; returns whether it was in it.
+    /// Moves an outlet that had its turn to the end of a node's queue. Returns whether the outlet
+    /// was in the queue.
     pub(super) fn decline(&mut self, node: usize, outlet: usize) -> bool {
         let queue = &mut self.waiting[node];
         let Some(at) = queue.iter().position(|request| request.outlet == outlet) else {

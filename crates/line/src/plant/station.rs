@@ -12,31 +12,32 @@ use linewright_station::{CallError, ErrorCode};
 /// State of a station.
 #[derive(Debug)]
 pub(super) struct Station {
-    /// Components waited for, by task; empty for tasks that join nothing.
+    /// By task: its places for components; no places if the task joins nothing.
     pub bills: Vec<Bill>,
     /// Part type of each task.
     kinds: Vec<usize>,
-    /// By task: whether it takes parts of its type as they are.
+    /// By task: whether it works on arriving parts of its type without joining.
     plain: Vec<bool>,
     pub phase: Phase,
     /// The part in work, or the finished part that waits to leave.
     pub part: Option<PartIndex>,
     task: usize,
-    /// Type of the part that left last.
+    /// Part type of the task that began last; another type needs setup.
     last_kind: Option<usize>,
-    /// Seconds of work left in this phase, as of `resumed`.
+    /// Seconds left in this phase, as of the time `resumed`.
     remaining: f64,
     resumed: f64,
-    /// Whether the clock runs: neither broken down nor off shift.
+    /// Whether setup or service is in progress, not interrupted by a breakdown or the end of a
+    /// shift.
     running: bool,
     pub failed: bool,
     /// Only the event with this number is valid.
     number: u32,
     failures: Option<(Failures, Stream)>,
-    /// Working seconds until the next breakdown.
+    /// Seconds of service until the next breakdown.
     until_failure: f64,
     defects: Stream,
-    /// The part's properties after this service, and the machine's during it.
+    /// The part's properties after the current service, and the machine's properties during it.
     outcome: Vec<f64>,
     values: Vec<f64>,
     service_seconds: f64,
@@ -66,7 +67,7 @@ pub(super) enum Phase {
 pub(super) struct Bill {
     /// For each line of the bill: type, required number, and the parts present.
     pub lines: Vec<(usize, usize, Vec<PartIndex>)>,
-    /// Sequence number of the arrival that completed it.
+    /// Sequence number of the arrival that completed the bill; `None` if a component is missing.
     complete: Option<u64>,
 }
 
@@ -186,7 +187,7 @@ impl Station {
             .copied()
     }
 
-    /// Stops the clock and counts the work done.
+    /// Interrupts setup or service, and subtracts the work done.
     fn pause(&mut self, now: f64) {
         if std::mem::take(&mut self.running) {
             let worked = (now - self.resumed).min(self.remaining);
@@ -210,14 +211,16 @@ impl Station {
         self.clock.switch(now, activity);
     }
 
-    /// Books unchanged time from `now` to `until`, of which the given seconds are on shift.
+    /// Books the time from `now` to `until`, in which nothing changes and the given seconds are on
+    /// shift.
     pub(super) fn wait(&mut self, now: f64, on_shift_seconds: f64, until: f64) {
         self.book(now, true);
         self.clock.switch(now + on_shift_seconds, Activity::Idle);
         self.clock.switch(until, Activity::Idle);
     }
 
-    /// Ends a run: books the last stretch, and the energy that a running service has used.
+    /// Closes the accounts at the end of a run: books the time since the last change, and the
+    /// energy that a service in progress has used.
     pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
         self.pause(now);
         self.book(now, on_shift);
@@ -260,8 +263,8 @@ impl Run<'_> {
         }
     }
 
-    /// A free station joins the bill that has been complete longest, unless a part for another task
-    /// has waited longer.
+    /// Lets a free station join the bill that has been complete longest, unless a part for another
+    /// task has waited longer.
     pub(super) fn station_ready(&mut self, node: usize) {
         let on_shift = self.on_shift;
         let Place::Station(station) = &self.places[node] else {
@@ -289,7 +292,7 @@ impl Run<'_> {
         }
     }
 
-    /// Makes the new part of a complete bill and begins work on it.
+    /// Joins the components of a complete bill into a new part, and begins work on it.
     fn join(&mut self, node: usize, task: usize) {
         let station = self.station(node);
         let kind = station.kinds[task];
@@ -318,7 +321,7 @@ impl Run<'_> {
         self.parts[part].entered_at = entered_at;
         self.parts[part].entered = true;
         self.counters.entered += 1;
-        // Its components stay in the line as parts of it.
+        // The components are still counted as in the line, because the new part contains them.
         self.counters.in_line[kind] += 1;
         self.record(node, Some(part), EventKind::Entered);
         if !self.refuse_out_of_range(node, part) {
@@ -358,7 +361,7 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    /// Begins with a part, with the setup if one is due.
+    /// Begins to process a part, with setup first if the part type has changed.
     fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
         let NodeKind::Station { setup_seconds, .. } = self.line.nodes[node].kind else {
             return;
@@ -398,8 +401,8 @@ impl Run<'_> {
         }
     }
 
-    /// Runs the task's operations at one instant; returns seconds and joules. The part's new
-    /// properties are kept until the end of the service.
+    /// Simulates the task's operations at one instant. Returns seconds and joules. The part's new
+    /// properties are stored in `outcome` until the end of the service.
     fn simulate(&mut self, node: usize, part: PartIndex) -> Result<(f64, f64), CallError> {
         let NodeKind::Station { machine, tasks, .. } = &self.line.nodes[node].kind else {
             return Ok((0.0, 0.0));
@@ -450,7 +453,7 @@ impl Run<'_> {
         Ok((seconds, joules))
     }
 
-    /// Starts the clock of setup or service, unless something prevents it.
+    /// Starts or continues setup or service, unless the station is broken down or off shift.
     fn resume(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
         let station = self.station(node);
@@ -478,8 +481,8 @@ impl Run<'_> {
             return;
         }
         let fails = station.phase == Phase::Service && station.until_failure < station.remaining;
-        // Assigned exactly, not as a difference of two times: rounding must not leave a remainder
-        // of the service.
+        // The exact duration, not the difference of two times, because rounding must not leave a
+        // remainder of the service.
         let worked = if fails {
             station.until_failure
         } else {
@@ -513,7 +516,8 @@ impl Run<'_> {
         self.resume(node);
     }
 
-    /// The part gets its new properties and possibly a random defect, and leaves when it can.
+    /// Ends the service: the part receives its new properties and possibly random defects, and
+    /// leaves when it can.
     fn end_service(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
         let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
@@ -549,7 +553,7 @@ impl Run<'_> {
         self.offer(outlet, part);
     }
 
-    /// The station has no part in work any more.
+    /// Frees a station that no longer has a part in work.
     pub(super) fn station_left(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
         let station = self.station(node);

@@ -1,4 +1,4 @@
-//! Where parts come from and go: sources, stores and sinks.
+//! Where parts come from and where they go: sources, stores and sinks.
 
 use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
@@ -7,23 +7,24 @@ use crate::trace::EventKind;
 use linewright_language::contract::line::{NodeKind, Supply};
 use std::collections::VecDeque;
 
-/// State of a source; the part that it keeps is at its outlet.
+/// State of a source. The part that it has made and that waits to leave is at its outlet.
 #[derive(Debug)]
 pub(super) struct Source {
     /// Number of parts made.
     made: u64,
     /// Number of parts still to make; `None` if unlimited.
     left_to_make: Option<u64>,
-    /// Seconds between two parts, with the random stream if they are random; `None` if it makes
-    /// parts whenever there is room.
+    /// Mean seconds between two parts, with the random stream if the times are random; `None` if
+    /// the source makes a part whenever there is room.
     interval: Option<(f64, Option<Stream>)>,
-    /// Whether the next part is due or scheduled.
+    /// Whether the next part is due; if not, it is due at `next_due`.
     due: bool,
     next_due: f64,
 }
 
 impl Source {
-    /// Creates a source. `orders` applies to sources on order.
+    /// Creates a source. `orders` is the number of parts to make if the source is on order; `None`
+    /// if unlimited.
     pub(super) fn new(name: &str, supply: &Supply, seed: u64, orders: Option<u64>) -> Self {
         let (left_to_make, interval) = match *supply {
             Supply::OnOrder => (orders, None),
@@ -48,7 +49,7 @@ impl Source {
         }
     }
 
-    /// Whether it will never make another part by itself.
+    /// Whether the source will never make another part unless more are ordered.
     pub(super) fn exhausted(&self) -> bool {
         self.left_to_make == Some(0)
     }
@@ -59,7 +60,8 @@ impl Source {
     }
 }
 
-/// State of a store: initial stock, and parts that came in and will leave again.
+/// State of a store: what is left of its initial stock, and parts that came in and will leave
+/// again.
 #[derive(Debug)]
 pub(super) struct Store {
     stock: Vec<u64>,
@@ -100,7 +102,7 @@ impl Store {
 }
 
 impl Run<'_> {
-    /// A source makes its next part, if it is due.
+    /// Makes the next part of a source, if it is due and no limit is reached.
     pub(super) fn make(&mut self, node: usize) -> Option<PartIndex> {
         let NodeKind::Source { part, most, .. } = self.line.nodes[node].kind else {
             return None;
@@ -132,14 +134,15 @@ impl Run<'_> {
         Some(self.parts.create(self.line, part, |_| None))
     }
 
-    /// Counts a part, with everything it was joined from, as in the line, or as kept to enter it.
+    /// Counts a part of this type, with everything it was joined from, as in the line. Parts that
+    /// still wait to enter the line count, too.
     fn count_in(&mut self, kind: usize) {
         for (part, count) in self.counters.in_line.iter_mut().enumerate() {
             *count += self.setup.contents[kind * self.line.parts.len() + part];
         }
     }
 
-    /// Counts a part that has left the line; a source that waited for that may continue.
+    /// Counts a part that has left the line. Sources that waited for this can continue.
     pub(super) fn count_out(&mut self, kind: usize) {
         for (part, count) in self.counters.in_line.iter_mut().enumerate() {
             let content = self.setup.contents[kind * self.line.parts.len() + part];
@@ -156,8 +159,8 @@ impl Run<'_> {
         }
     }
 
-    /// Orders more parts from a source: beyond its limit, and by its clock if it has one. An
-    /// unlimited source makes them anyway.
+    /// Orders more parts from a source, in addition to its limit. A source with an interval keeps
+    /// to the interval. An unlimited source makes the parts anyway.
     pub(super) fn order(&mut self, node: usize, count: u64) {
         let now = self.now;
         let Place::Source(source) = &mut self.places[node] else {
@@ -174,7 +177,7 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    /// Handles that a source's next part is due.
+    /// Handles the event that a source's next part is due.
     pub(super) fn due(&mut self, node: usize) {
         if let Place::Source(source) = &mut self.places[node] {
             source.due = true;
@@ -182,7 +185,8 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    /// The next part that a store would give out: first from its stock, then in order of arrival.
+    /// Returns the next part that a store gives out: first from its stock, then in order of
+    /// arrival.
     pub(super) fn give_out(&mut self, node: usize, outlet: usize) -> Option<PartIndex> {
         let kind = self.outlets[outlet].kind?;
         let Place::Store(store) = &mut self.places[node] else {
@@ -197,7 +201,7 @@ impl Run<'_> {
         store.parts[kind].front().copied()
     }
 
-    /// A part enters a store, to stay or to wait there.
+    /// Puts a part into a store: either it is complete and stays, or it waits to leave again.
     pub(super) fn store(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
         let kind = self.parts[part].kind;

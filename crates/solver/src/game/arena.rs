@@ -67,7 +67,8 @@ impl Selection<'_> {
     }
 }
 
-/// Returns the initial order: by the structure of the formulas, or else by declaration.
+/// Returns the initial order: by the structure of the formulas if that heuristic is enabled,
+/// otherwise by declaration.
 pub fn initial_order(specification: &Specification, heuristics: Heuristics) -> Order {
     let encoding = Encoding::new(specification);
     // One additional pair at the bottom holds the strategy's flag: how many goals a step reaches.
@@ -112,8 +113,9 @@ impl<K: Kernel> Formulas<K> {
             encoded.collect()
         };
         // If the machine moves first, assumptions can mention its next outputs (as they do after
-        // the roles are swapped). An output code without a value counts as keeping them: otherwise
-        // the machine could win with such a code by leaving the environment without a move.
+        // the roles are swapped). An output code that stands for no value counts as satisfying
+        // these assumptions. Otherwise the machine could win with such a code by leaving the
+        // environment without a move.
         let answers = |owner: Owner, expr: &Expr, time: Time, mut function: K::Function| {
             if owner == Owner::Environment && specification.timing == Timing::Moore {
                 let mut answered = BTreeSet::new();
@@ -129,8 +131,9 @@ impl<K: Kernel> Formulas<K> {
             }
             Ok(function)
         };
-        // The result of a formula on codes without a value is irrelevant but takes nodes,
-        // especially in negations. So large games restrict formulas to codes with a value.
+        // The result of a formula on codes that stand for no value is irrelevant but takes nodes,
+        // especially in negations. So in large games, formulas are restricted to codes that stand
+        // for a value.
         let confined = order.pairs().len() > structure::MANY_PAIRS;
         let part = |part: &Expr| -> Result<K::Function, Limit> {
             let mut function = encoding.formula(&kernel, part)?;
@@ -220,7 +223,7 @@ impl<K: Kernel> Formulas<K> {
         more
     }
 
-    /// Returns the formulas with a guarantee weakened so that it also accepts `function`.
+    /// Returns the formulas with one guarantee weakened: it also holds wherever `function` holds.
     pub fn weakened(&self, guarantee: GuaranteeRef, function: &K::Function) -> Result<Self, Limit> {
         let mut less = self.clone();
         let (m, side, index) = (&self.kernel, &mut less.system, guarantee.index);
@@ -251,8 +254,9 @@ impl<K: Kernel> Formulas<K> {
         &self.encoding
     }
 
-    /// Returns the guarantees that a single answer can break, over the next bits: with `at_start`
-    /// those about step 0, otherwise those about a later step, also over the current bits.
+    /// Returns the guarantees that a single answer can break. If `at_start`, they are the
+    /// guarantees about step 0, over next bits. Otherwise they are the guarantees about a later
+    /// step, over current and next bits.
     pub fn step_guarantees(
         &self,
         at_start: bool,
@@ -284,7 +288,8 @@ impl<K: Kernel> Formulas<K> {
         self.kernel.peak_nodes()
     }
 
-    /// Builds the game with the selected formulas, its relations in clusters.
+    /// Builds the game with the selected formulas and combines the parts of its relations into
+    /// clusters.
     pub fn arena(
         &self,
         selection: &Selection<'_>,
@@ -400,8 +405,9 @@ pub struct Arena<K: Kernel> {
     pub sys_initial: K::Function,
     /// Moves of the environment: its safety, and its invariants and domains in the next step.
     pub environment: Relation<K>,
-    /// The machine's safety (for Moore, with the next inputs eliminated). Its invariants and
-    /// domains are in [`Self::states`], which contains every target of the game.
+    /// The machine's safety (for Moore, with the next inputs eliminated). The machine's invariants
+    /// and domains are part of [`Self::states`], and every target of the game lies within these
+    /// states.
     pub system: Relation<K>,
     /// Justice of the environment; never empty.
     pub assumptions: Vec<K::Function>,
@@ -443,7 +449,7 @@ impl<K: Kernel> Arena<K> {
 
     /// Returns the controllable predecessor of a set of transitions: the states in which the
     /// machine can answer every move of the environment with a transition of `target` that keeps
-    /// its safety.
+    /// the machine's safety.
     ///
     /// ```text
     /// Mealy:  ∀x'. ρe(x, y, x') → ∃y'. ρs(x, y, x', y') ∧ target(x, y, x', y')

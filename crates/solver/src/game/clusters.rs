@@ -9,10 +9,10 @@ use crate::symbolic::{BitSet, Kernel, Limit};
 pub enum Clustering {
     /// In file order, up to this number of nodes per cluster.
     InOrder(usize),
-    /// In file order, up to this number of nodes per cluster, but first combines neighbors that
-    /// together contain all mentions of a bit. That bit can then be quantified together with the
-    /// new cluster. Otherwise two clusters could mention nearly the same bits, and the intermediate
-    /// result would be larger than the final one.
+    /// Like [`Self::InOrder`], but first combines neighbors that together contain all mentions of a
+    /// bit. That bit can then be quantified together with the new cluster. Otherwise two clusters
+    /// could mention nearly the same bits, and the intermediate result would be larger than the
+    /// final one.
     ByBits(usize),
 }
 
@@ -62,8 +62,8 @@ fn in_order<K: Kernel>(
     Ok(result.into_iter().map(|(f, _)| f).collect())
 }
 
-/// Joins the smallest run of neighbors that contains all mentions of one of the bits, if the result
-/// has at most `bound` nodes. Returns whether any neighbors were joined.
+/// Joins the shortest run of neighbors that contains all mentions of some bit of `gone` and whose
+/// conjunction has at most `bound` nodes. Returns whether any neighbors were joined.
 fn join_neighbors<K: Kernel>(
     kernel: &K,
     pieces: &mut Vec<K::Function>,

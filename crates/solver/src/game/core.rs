@@ -1,16 +1,16 @@
-//! Finds a minimal core: guarantees that clash, none of which can be omitted, and the assumptions
-//! that matter for it.
+//! Finds a minimal core, that is, guarantees that clash and of which none can be omitted. Also
+//! finds the assumptions that matter for this clash.
 //!
 //! The search is `QuickXplain` (Junker, AAAI 2004). It tries halves first, so that a core of `k`
 //! out of `n` guarantees costs at most `2k · log2(n / k) + 2k` games, whereas omitting one
 //! guarantee after the other costs `n` games and delta debugging (Zeller and Hildebrandt, TSE 28,
-//! 2002) up to `n² + 3n`. It is sound here because leaving out a guarantee never makes a
+//! 2002) up to `n² + 3n`. The search is sound here because leaving out a guarantee never makes a
 //! specification unrealizable.
 //!
 //! Leaving out assumptions keeps an unrealizable specification unrealizable. An assumption matters
-//! if without it a proper subset of the core would already clash. So the assumptions that matter
-//! are a minimal set under which the core is still minimal. The same search finds them; each of its
-//! tests takes up to `k` games, one for each omitted guarantee.
+//! if, without it, a proper subset of the core would already clash. So the assumptions that matter
+//! are a minimal set under which the core is still minimal. The same search finds them. Each of its
+//! tests solves up to `k` games, one for each guarantee of the core that is omitted.
 
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
@@ -49,7 +49,8 @@ pub fn assumptions_that_matter<K: Kernel>(
     let mut minimal = |assumed: &[AssumptionRef]| {
         for i in 0..others.len() {
             if unrealizable(formulas, Selection::Both(&others[i], assumed))? {
-                // Moves the failing test to the front: it is the most likely to fail again.
+                // Moves the failing test to the front, because it is the most likely one to fail
+                // again.
                 others[..=i].rotate_right(1);
                 return Ok(false);
             }

@@ -1,9 +1,9 @@
-//! Converts a set of inputs to disjoint cubes of intervals: splits the function variable by
-//! variable, not bit by bit.
+//! Converts a set of inputs to disjoint cubes of intervals. The function of the set is split
+//! variable by variable, not bit by bit.
 //!
 //! Adjacent values with the same remaining function form one interval, so that a cube is `2 <=
-//! desired <= 4` instead of three bit patterns. Codes without a value are ignored. Inputs are split
-//! in the order of the specification, independent of the variable order of the diagrams.
+//! desired <= 4` instead of three bit patterns. Codes that stand for no value are ignored. Inputs
+//! are split in the order of the specification, independent of the variable order of the diagrams.
 
 use crate::symbolic::{Bit, Encoding, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};

@@ -1,9 +1,10 @@
 //! A small diagram package, used in addition to a kernel for computing strategies as functions.
 //!
-//! Functions are derived from a relation in thousands of small operations, most of which recur for
-//! the next goal, and they are simplified with respect to a care set, which no kernel here
-//! supports. So this is a simple package: one thread, one fixed order, a lossy cache of results,
-//! and no garbage collection; callers start a new builder from time to time.
+//! Deriving functions from a relation takes thousands of small operations, most of which recur for
+//! the next goal. The functions are also simplified with respect to a care set, which no kernel
+//! here supports. This package does only that, so it is simple: one thread, one fixed order, a
+//! lossy cache of results, and no garbage collection. Callers start a new builder from time to
+//! time.
 //!
 //! [`DiagramBuilder::restrict`] is from Coudert and Madre, "A unified framework for the formal
 //! verification of sequential circuits", ICCAD 1990.
@@ -11,7 +12,7 @@
 use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
 use rustc_hash::FxHashMap;
 
-/// Maximum number of nodes, also without a memory limit.
+/// Maximum number of nodes, even if there is no memory limit.
 const MAX_NODES: u64 = 1 << 25;
 
 /// Bytes per node, including its share of the tables.
@@ -23,9 +24,9 @@ const CACHED_RESULTS: usize = 1 << 17;
 /// Number of slots of the cache of [`Choices`]; a power of two.
 const CACHED_CHOICES: usize = 1 << 15;
 
-/// Number of conjunctions of nodes after which a simplification is abandoned, plus
-/// [`WORK_PER_NODE`] for each node of the function. Reducing `care` to the bits on which the
-/// function depends has no other bound.
+/// A simplification is abandoned after this number of conjunctions of two nodes, plus
+/// [`WORK_PER_NODE`] for each node of the function. Without this limit, reducing `care` to the bits
+/// on which the function depends could take arbitrarily long.
 const BASE_WORK: usize = 1_000;
 
 /// See [`BASE_WORK`].
@@ -86,7 +87,7 @@ pub struct DiagramBuilder {
     choices: Vec<(Edge, u32, Choices)>,
     /// Position of each pair in the order.
     positions: Vec<u16>,
-    /// Mark of the last traversal that visited each node.
+    /// For each node, the mark of the last traversal that visited it.
     marks: Vec<u32>,
     /// Mark of the latest traversal.
     mark: u32,
@@ -187,8 +188,8 @@ impl DiagramBuilder {
         }
     }
 
-    /// Returns the branches of an edge for the values 1 and 0 of the bit at this level, which must
-    /// not be below the edge's target.
+    /// Returns the branches of an edge for the values 1 and 0 of the bit at this level. The level
+    /// must not be below that of the edge's target.
     fn branches(&self, edge: Edge, level: u32) -> (Edge, Edge) {
         match edge.node().map(|n| self.nodes[n]) {
             Some(node) if node.level == level => {
@@ -319,7 +320,7 @@ impl DiagramBuilder {
     }
 
     /// Returns a function that agrees with `f` wherever `care` holds and is likely to be smaller:
-    /// omits nodes of which only one branch matters.
+    /// it omits nodes of which only one branch matters.
     fn restrict(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
         if care == Edge::TRUE || care == Edge::FALSE || f.node().is_none() {
             return Ok(f);
@@ -374,7 +375,7 @@ impl DiagramBuilder {
         self.below(&[root]).len()
     }
 
-    /// Returns those of `bits` on which a function depends, and its number of nodes.
+    /// Returns those of `bits` on which a function depends, and the function's number of nodes.
     pub fn measure(&mut self, root: Edge, bits: &[Bit]) -> (BitSet, usize) {
         let below = self.below(&[root]);
         let mut tested = vec![false; 2 * self.positions.len()];

@@ -4,7 +4,7 @@
 //! Between two steps, the machine has to remember only how it will behave next. So a state *is* the
 //! residual function `R(x′, y′, g)`: the strategy for the pursued goal, with the current outputs
 //! fixed and the current inputs fixed as far as the strategy depends on them. Equal residuals have
-//! identical diagrams. Only the next inputs matter that some reachable valuation of the state
+//! identical diagrams. Only those next inputs matter that some reachable valuation of the state
 //! allows. Among these, the machine tells apart those that lead to different outputs or to
 //! different next residuals. Inputs that affect neither are omitted from the guards. So a guard can
 //! also hold on inputs that break an assumption: it describes what the machine checks, not what the
@@ -49,11 +49,12 @@ struct State<K: Kernel> {
     legal: K::Function,
 }
 
-/// The machine's states after one output, by the inputs that lead to them: disjoint sets of inputs,
-/// over *next* bits, each with the index of the state.
+/// The states that the machine can enter with one output: disjoint sets of inputs, over *next*
+/// bits, each with the index of the state to which these inputs lead.
 type Classes<K> = Vec<(<K as Kernel>::Function, usize)>;
 
-/// An output of a step: its values, the bits that encode them, and the states after it.
+/// An output of a step: its values, the bits that encode them, and the states that the machine can
+/// enter with it.
 type Answer<'a, K> = (Vec<i64>, Vec<(Bit, bool)>, &'a Classes<K>);
 
 struct Explorer<'a, K: Kernel> {

@@ -1,4 +1,4 @@
-//! The three-nested fixpoint of a GR(1) game, and the layers from which a strategy is made.
+//! The three-nested fixpoint of a GR(1) game, and the layers from which a strategy is built.
 //!
 //! The fixpoint is that of Bloem et al. 2012, section 3, with justice on transitions, so that goals
 //! can mention next values:
@@ -15,13 +15,13 @@
 //! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ ( (Gⱼ ∧ CPre(Z′)) ∨ CPre(Y′) ∨ (¬Aᵢ ∧ CPre(X′)) )
 //! ```
 //!
-//! The conjunction with Z does not change the result, since the final Z contains all its layers,
-//! and it lets every X start from Z instead of from all states. Each goal starts from the Z that
-//! the previous goal left. In later rounds for the same goal, each X starts where the X at the same
-//! position of the previous round ended (fixpoint recycling; Browne, Clarke, Jha, Long and Marrero,
-//! "An improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997), which is
-//! sound because Z only shrinks, and every X with it. Nothing else is stored while deciding:
-//! [`layers`] repeats the two inner fixpoints for the final Z.
+//! The conjunction with Z does not change the result, because the final Z contains all of its
+//! layers. It lets every X start from Z instead of from all states. Each goal starts from the Z
+//! that the previous goal left. In later rounds for the same goal, each X starts where the X at the
+//! same position of the previous round ended (fixpoint recycling; Browne, Clarke, Jha, Long and
+//! Marrero, "An improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997).
+//! This is sound because Z only shrinks, and every X with it. While the winning region is computed,
+//! nothing else is stored: [`layers`] repeats the two inner fixpoints for the final Z.
 
 use super::arena::Arena;
 use super::heuristics::Heuristic;
@@ -116,7 +116,8 @@ pub fn winning_states<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit>
 struct Fixpoint<'a, K: Kernel> {
     arena: &'a Arena<K>,
     iterations: &'a Iterations,
-    /// Whether predecessors of states suffice, instead of transitions.
+    /// Whether predecessors of sets of states suffice, instead of predecessors of sets of
+    /// transitions.
     by_state: bool,
     /// For every goal, the Xs of its last round, in the order of computation.
     last: Vec<Vec<K::Function>>,
@@ -124,8 +125,8 @@ struct Fixpoint<'a, K: Kernel> {
     recent: Vec<(K::Function, K::Function)>,
 }
 
-/// Number of cached predecessors. Reused are those of the last Xs, one of which becomes the next Y,
-/// of `false`, and of Z.
+/// Number of cached predecessors. The cache is useful for the predecessors of the last Xs (one of
+/// them becomes the next Y), of `false`, and of Z.
 const CACHED_PREDECESSORS: usize = 16;
 
 impl<'a, K: Kernel> Fixpoint<'a, K> {
@@ -141,7 +142,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         }
     }
 
-    /// Computes the outermost fixpoint; returns `None` as soon as a Z is no longer `good`.
+    /// Computes the outermost fixpoint; returns `None` as soon as `good` returns false for a Z.
     fn region(
         &mut self,
         within: Option<&K::Function>,

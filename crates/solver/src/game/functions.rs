@@ -1,17 +1,18 @@
-//! Computes a strategy as functions: every next output bit as a diagram over the values that the
-//! machine knows, for games whose machine is too large to be listed state by state.
+//! Computes a strategy as functions, for games whose machine is too large to be listed state by
+//! state. Each output bit of the next step is a diagram over the values that the machine knows.
 //!
 //! The strategy pursues one goal after the other, as in Bloem et al. 2012, section 4. It takes a
-//! move that reaches the goal and stays in the winning region, or else one into an earlier layer,
-//! or else one that waits while an assumption fails. The number of the pursued goal is the only
-//! memory; a move that reaches the goal switches to the next one.
+//! move that reaches the goal and stays in the winning region, or else a move into an earlier
+//! layer, or else a move that waits while an assumption fails. The number of the pursued goal is
+//! the only memory; a move that reaches the goal switches to the next goal.
 //!
-//! No relation of all moves is ever built. For every goal, the next output bits are eliminated one
-//! after the other from the parts of the machine's safety and the strategy's target, the cheapest
-//! bit first, and each only from the parts that mention it (bucket elimination; Dechter, "Bucket
-//! elimination: a unifying framework for reasoning", Artificial Intelligence 113, 1999). The
-//! conjunction of these parts yields the bit's function over the bits eliminated later. Every
-//! choice for those can be completed, so no backtracking is needed.
+//! No relation of all moves is ever built. For every goal, the output bits of the next step are
+//! eliminated one after the other, the cheapest bit first. A bit is eliminated only from those
+//! parts of the machine's safety and the strategy's target that mention it (bucket elimination;
+//! Dechter, "Bucket elimination: a unifying framework for reasoning", Artificial Intelligence 113,
+//! 1999). The conjunction of these parts yields the bit's function over the bits that are
+//! eliminated later. The later bits only ever get values for which this bit has a suitable value,
+//! too, so no backtracking is needed.
 //!
 //! A [`Certificate`] proves that the functions are correct; `mealy::certify` checks it
 //! independently.
@@ -26,10 +27,11 @@ use serde::{Deserialize, Serialize};
 /// Node count above which the working storage is emptied between two goals.
 const CROWDED_NODES: usize = 1 << 15;
 
-/// Maximum number of layers for which a goal always gets several modes; see [`Plain`].
+/// A goal with at most this number of layers always gets the modes of [`plan_modes`], never the
+/// single mode of [`Plain`].
 const FEW_LAYERS: usize = 2;
 
-/// An assumption about a single step, by its index in its list.
+/// An assumption about a single step, given by its index among the assumptions of its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum AssumedFormula {
     /// An initial condition.
@@ -46,8 +48,8 @@ pub struct Mode {
     /// Condition under which the mode is used, unless an earlier mode applies. Over current bits
     /// and, for Mealy, next inputs; `true` for the last mode.
     pub when: Edge,
-    /// The next output bits with their functions, in the order of computation: each function can
-    /// depend on the bits before it.
+    /// The output bits of the next step with their functions, in the order of computation: each
+    /// function can depend on the bits before it.
     pub outputs: Vec<(Bit, Edge)>,
     /// Progress that the mode's steps make.
     pub aim: Aim,
@@ -76,11 +78,12 @@ pub struct GoalStrategy {
     pub reached: Edge,
 }
 
-/// Evidence that the functions are correct: an invariant set of states, and layers for every goal
-/// that a play only descends.
+/// Evidence that the functions are correct: a set of states that the strategy never leaves, and for
+/// every goal a list of layers that a play can only descend.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Certificate {
-    /// The sets of states, over current bits; the other fields refer to it.
+    /// A diagram of the sets of states, over current bits. The edges in the other fields refer to
+    /// it.
     pub diagram: Diagram,
     /// The winning region, which the strategy never leaves.
     pub region: Edge,
@@ -88,7 +91,7 @@ pub struct Certificate {
     pub goals: Vec<Vec<CertifiedLayer>>,
 }
 
-/// A layer of a goal: the states of `reached` that do not belong to the layer before it.
+/// A layer of a goal: the states of `reached` that do not belong to an earlier layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CertifiedLayer {
     /// The states of this layer and of all layers before it.
@@ -126,7 +129,7 @@ pub fn functions<K: Kernel>(
     region: &K::Function,
 ) -> Result<StrategyFunctions, Limit> {
     let m = &arena.kernel;
-    // One order for all goals, so that they share nodes.
+    // The order is the same for all goals, so that their functions share nodes.
     m.set_reordering(false);
     let order = m.order();
     let positions = order.positions();
@@ -222,7 +225,8 @@ pub fn functions<K: Kernel>(
     })
 }
 
-/// Returns the assumptions about a step that are not constantly true, with their functions.
+/// Returns the assumptions about step 0 if `first`, otherwise those about later steps, each with
+/// its function. Omits assumptions that are constantly true.
 fn assumed<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
@@ -301,8 +305,8 @@ struct Plan {
 /// In a state of layer k, the machine can always reach the goal, or move to a lower layer, or stay
 /// while the assumption of layer k fails. So the mode depends only on the lowest layer into which a
 /// move is possible, not on the layer of the state: either the target layer is lower, or it is the
-/// state's own layer and the assumption fails. Only an assumption about next values depends on the
-/// move itself, and needs an additional mode.
+/// state's own layer and the assumption fails. An assumption about next values depends on the move
+/// itself, so its layer needs an additional mode.
 ///
 /// If safety allows only steps that make progress, a single mode without aims suffices: see
 /// [`Plain`].
@@ -370,17 +374,17 @@ fn plan_modes<K: Kernel>(
 }
 
 /// Functions that merely keep the play in the region, and the steps that they take. If all these
-/// steps make progress toward a goal, they are its only mode.
+/// steps make progress toward a goal, these functions form the only mode of the goal.
 struct Plain<K: Kernel> {
     outputs: Vec<(Bit, Edge)>,
     steps: K::Function,
 }
 
-/// Whether every step allowed by safety and the region makes progress toward goal `j`, as far as
-/// the layers nearest to the goal show. [`comes_nearer`] checks all layers.
+/// Whether, in the layers nearest to goal `j`, every step that safety and the region allow makes
+/// progress toward the goal. [`comes_nearer`] checks all layers.
 ///
-/// False for goals about next values, since reaching such a goal is better than making progress,
-/// and false for Moore machines, whose steps must be right for all inputs.
+/// Returns false for goals about next values, because reaching such a goal is better than making
+/// progress, and for Moore machines, because their steps must be right for all inputs.
 fn may_come_nearer<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -447,7 +451,7 @@ struct Work {
     finished: DiagramBuilder,
     /// The machine's safety, formula by formula.
     parts: Vec<Edge>,
-    /// The next output bits, sorted by their position in the order.
+    /// The output bits of the next step, sorted by their position in the order.
     outputs: Vec<Bit>,
 }
 
@@ -526,8 +530,9 @@ impl Work {
     }
 
     /// Eliminates the output bits from the safety and an aim, always choosing the bit whose parts
-    /// are smallest. Returns a function for each bit over the bits before it in the result, which
-    /// were eliminated later. The functions matter only where `care` holds.
+    /// are smallest. Returns the bits with their functions. Each function is over the known values
+    /// and the bits before its own bit in the result, which were eliminated later. The functions
+    /// matter only where `care` holds.
     fn eliminate(&mut self, aim: Edge, care: Edge) -> Result<Vec<(Bit, Edge)>, Limit> {
         let Self {
             scratch,
@@ -550,7 +555,7 @@ impl Work {
                 let bucket = pool.iter().filter(|(_, support, _)| support.contains(*bit));
                 bucket.map(|(_, _, size)| *size).sum::<usize>()
             };
-            // Of equally cheap bits, the lowest in the order.
+            // Of equally cheap bits, takes the lowest one in the order.
             let place = (0..left.len()).min_by_key(|i| (cost(&left[*i]), std::cmp::Reverse(*i)));
             let bit = left.remove(place.unwrap_or(0));
             let (mut bucket, rest): (Vec<_>, Vec<_>) = pool

@@ -30,12 +30,13 @@ pub enum Heuristic {
     /// Start each goal from the region left by the previous one, instead of intersecting the
     /// results of all goals after each round.
     Carrying,
-    /// Process goals with the fewest bits first: they shrink the region most often, and a late
-    /// shrink sends all earlier goals through another round.
+    /// Process goals with the fewest bits first. They shrink the region most often, and when it
+    /// shrinks late in a round, all earlier goals need another round.
     GoalOrder,
     /// Start every inner greatest fixpoint at the region, instead of at all states.
     InnerStart,
-    /// Start every inner greatest fixpoint where that of the previous round ended.
+    /// Start every inner greatest fixpoint at the result of the same fixpoint in the previous
+    /// round.
     Recycling,
     /// Cache the last controllable predecessors.
     PredecessorCache,
@@ -90,7 +91,8 @@ impl FromStr for Heuristic {
 pub struct Heuristics(u16);
 
 impl Default for Heuristics {
-    /// Returns all heuristics: each of them helps overall, see the ablation table.
+    /// Returns all heuristics, because each of them helps overall; see the ablation table in
+    /// `tests/bench/README.md`.
     fn default() -> Self {
         Self::all()
     }

@@ -7,7 +7,7 @@
 use super::arena::Arena;
 use crate::symbolic::{Kernel, Limit};
 
-/// Returns the states of `within` from which some infinite path of `steps` stays within it and
+/// Returns the states of `within` from which some infinite path of `steps` stays in `within` and
 /// satisfies all justice of both sides infinitely often.
 pub fn lasting<K: Kernel>(
     arena: &Arena<K>,

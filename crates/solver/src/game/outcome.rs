@@ -79,7 +79,7 @@ pub trait Game: Debug + Send + Sync {
 }
 
 impl LostGame {
-    /// Returns the names of the core's guarantees without definitions; empty if the core is
+    /// Returns the names of the core's guarantees, except definitions; empty if the core is
     /// unknown.
     pub fn core_names(&self, specification: &Specification) -> Vec<String> {
         let core = self.core.iter().flatten();

@@ -1,8 +1,8 @@
 //! Progress of a solve, for a thread that waits for it.
 //!
 //! A single kernel operation cannot be interrupted and can take minutes. So a caller with a
-//! deadline does not wait for the solver: it reads the progress here and abandons the solver's
-//! thread.
+//! deadline does not wait for the solver. When the deadline passes, it reads the progress here and
+//! abandons the solver's thread.
 
 use super::fixpoint::Iterations;
 use super::statistics::Statistics;
@@ -18,11 +18,11 @@ pub enum Phase {
     NotStarted,
     /// The formulas are being encoded as functions.
     Encoding,
-    /// A variable order is being searched.
+    /// The solver searches for a variable order.
     Ordering,
     /// The winning region is being computed.
     Fixpoint,
-    /// The verdict is known; a core is being searched.
+    /// The verdict is known; the solver searches for a core.
     Core,
     /// Finished.
     Ended,

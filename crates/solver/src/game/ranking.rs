@@ -31,10 +31,10 @@ pub struct Rank {
     /// Index of the justice assumption that is never met if the play waits in this layer for ever.
     /// A specification without justice assumptions has the single assumption `true`.
     pub assumption: usize,
-    /// Index of the root with the states in which the machine makes progress, or waits while that
-    /// assumption does not hold.
+    /// Index of the diagram's root for the states in which the machine makes progress, or waits
+    /// while that assumption does not hold.
     pub wait: usize,
-    /// Index of the root with the states of this layer and of all layers before it.
+    /// Index of the diagram's root for the states of this layer and of all layers before it.
     pub reached: usize,
 }
 

@@ -4,8 +4,8 @@ use super::arena::Arena;
 use crate::symbolic::{BitSet, Kernel, Limit};
 use linewright_core::gr1::Timing;
 
-/// Returns the states of the arena that `moves` can reach from `from`, including `from`. For a
-/// machine that moves first, only answers that are legal for all inputs count.
+/// Returns the states of the arena that `moves` can reach from `from`, including `from`. If the
+/// machine moves first, only answers that are legal for all inputs count.
 pub fn reachable<K: Kernel>(
     arena: &Arena<K>,
     from: &K::Function,
@@ -16,7 +16,7 @@ pub fn reachable<K: Kernel>(
     let legal = m.prime(&arena.states)?;
     let mut moves = m.and(moves, &legal)?;
     if arena.timing == Timing::Moore {
-        // Only answers that are legal for all inputs.
+        // A machine that moves first can give only answers that are legal for all inputs.
         moves = m.and(&moves, &arena.for_all_inputs(&legal)?)?;
     }
     let mut reachable = from.clone();

@@ -6,13 +6,14 @@ use serde::{Deserialize, Serialize};
 /// A reference to a guarantee of a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct GuaranteeRef {
-    /// Kind of the formula, which selects a list of its side.
+    /// Kind of the formula. It selects one of the lists of [`Side`].
     pub kind: GuaranteeKind,
     /// Index of the formula in that list.
     pub index: usize,
 }
 
-/// A reference to an assumption of a specification; has the same form as one to a guarantee.
+/// A reference to an assumption of a specification. It has the same form as a reference to a
+/// guarantee.
 pub type AssumptionRef = GuaranteeRef;
 
 /// Kinds of formulas: the lists of [`Side`]. Also used for assumptions.

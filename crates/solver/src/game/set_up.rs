@@ -1,9 +1,9 @@
 //! Sets up a game before the fixpoint: encodes the formulas, finds a good variable order, and
 //! builds the relations as clusters.
 //!
-//! The order is first sifted for small clusters, so that larger ones can be built in it. If the
-//! larger clusters then take far more nodes than the small ones, the game is set up again from the
-//! start with clusters of medium size.
+//! The order is first sifted for small clusters, so that larger clusters can be built in the
+//! resulting order. If the larger clusters then take far more nodes than the small ones, the game
+//! is set up again from the start with clusters of medium size.
 
 use super::arena::{Arena, Formulas, Selection, initial_order};
 use super::clusters::Clustering;
@@ -13,33 +13,34 @@ use crate::symbolic::{Kernel, Limit, Limits, Order};
 use linewright_core::gr1::Specification;
 use std::time::Instant;
 
-/// First attempt: small clusters. Bounds of clusters are numbers of nodes. Some relations are
-/// solved fastest as one piece (generators of buffers, three to four times), others as a few pieces
-/// (AMBA's arbiter, by the same factor).
+/// First attempt: small clusters. The number is the maximum number of nodes of a cluster, here and
+/// below. Some games are solved three to four times as fast if each relation is one piece (the
+/// genbuf benchmarks). Other games gain the same factor from a few pieces (the AMBA arbiter).
 const FIRST: Clustering = Clustering::InOrder(1_000);
 
 /// Second attempt: large clusters, for relations that are best as one piece.
 const WHOLE: Clustering = Clustering::InOrder(5_000);
 
-/// For rebuilding relations whose large clusters proved worthwhile.
+/// For rebuilding relations after large clusters have proved worthwhile.
 const WHOLE_AGAIN: Clustering = Clustering::ByBits(5_000);
 
-/// For relations that are best as a few pieces.
+/// Clusters of medium size, for relations that are best as a few pieces.
 pub const SPLIT: Clustering = Clustering::InOrder(3_000);
 
-/// Number of clusters, over both relations, that need not be reduced further.
+/// Number of clusters, summed over both relations, that is small enough: up to this number,
+/// clusters are not combined further.
 const FEW_CLUSTERS: usize = 3;
 
 /// Maximum number of times that the large clusters are rebuilt in the latest order. Rebuilding ends
-/// earlier if their number does not decrease.
+/// earlier if the number of clusters does not decrease.
 const MAX_REBUILDS: usize = 3;
 
-/// A relation stays in pieces if the large clusters take more than this percentage of the nodes of
-/// the small ones.
+/// The relations are split into pieces if the large clusters take more than this percentage of the
+/// nodes of the small clusters.
 const WHOLE_PERCENT: usize = 180;
 
-/// Encodes the formulas and builds the whole game in a good order. Records the time of each step,
-/// even if a limit ends it.
+/// Encodes the formulas and builds the whole game in a good order. Records the time that each step
+/// takes, even if a limit ends the step.
 pub fn set_up<K: Kernel>(
     specification: &Specification,
     order: &Order,
@@ -115,8 +116,8 @@ fn with_sifting<K: Kernel>(
     Ok((formulas, arena))
 }
 
-/// Builds the game with this clustering and sifts. Returns it with the number of nodes of its
-/// relations.
+/// Builds the game with this clustering and sifts the order. Returns the game and the number of
+/// nodes of its relations.
 fn sifted<K: Kernel>(
     formulas: &Formulas<K>,
     clustering: Clustering,

@@ -1,10 +1,10 @@
-//! Solves a specification: chooses the kernel and the variable order, decides, and collects
-//! statistics.
+//! Solves a specification: chooses the kernel and the variable order, decides whether a machine
+//! exists, and collects statistics.
 //!
-//! Small games are solved on biodivine's kernel, which starts at once. A game that has more than
-//! [`SMALL_PAIRS`] pairs of bits, or exceeds [`SMALL_NODES`] or [`SMALL_CREATED`] there, is solved
-//! on `OxiDD`'s kernel. The choice depends only on the specification, so that the same input always
-//! gives the same machine.
+//! Small games are solved on biodivine's kernel, which takes no time to start. A game that has more
+//! than [`SMALL_PAIRS`] pairs of bits, or exceeds [`SMALL_NODES`] or [`SMALL_CREATED`] there, is
+//! solved on `OxiDD`'s kernel. The choice depends only on the specification, so that the same input
+//! always gives the same machine.
 
 use super::arena::{Arena, Formulas, initial_order};
 use super::attack::{self, Attack, Play, PlayEnd};
@@ -34,13 +34,14 @@ const SMALL_PAIRS: usize = 48;
 /// Maximum number of nodes that exist at the same time in a small game.
 const SMALL_NODES: u64 = 13_000;
 
-/// Maximum number of nodes created in total in a small game: about a hundredth of a second.
+/// Maximum number of nodes created in total in a small game; creating them takes about a hundredth
+/// of a second.
 const SMALL_CREATED: u64 = 50_000;
 
 /// Peak number of nodes above which a game is large.
 const LARGE_NODES: u64 = 100_000;
 
-/// The same bound for a kernel that counts dead nodes until it collects them.
+/// Like [`LARGE_NODES`], but for a kernel that counts dead nodes until it collects them.
 const LARGE_NODES_SHARED: u64 = 1 << 20;
 
 /// The kernel on which a game is solved.
@@ -176,7 +177,7 @@ pub fn solve_with(specification: &Specification, options: &Options) -> Solution 
     solve_on::<OxiDd>(specification, &order, &options.limits, options, hints)
 }
 
-/// Prior knowledge from the options.
+/// The initial variable order and the initial region that the options provide.
 #[derive(Clone, Copy, Default)]
 struct Hints<'a> {
     order: Option<&'a Order>,
@@ -202,8 +203,8 @@ impl<'a> Hints<'a> {
     }
 }
 
-/// Returns the limits of the attempt on biodivine's kernel, or `None` to go to `OxiDD`'s kernel
-/// directly.
+/// Returns the limits of the attempt on biodivine's kernel, or `None` to use `OxiDD`'s kernel from
+/// the start.
 fn small_limits(order: &Order, options: &Options) -> Option<Limits> {
     match options.kernel {
         KernelChoice::Biodivine => Some(options.limits),
@@ -327,7 +328,7 @@ fn solve_on<K: Kernel>(
         ..Statistics::default()
     });
     let outcome = decide::<K>(specification, order, limits, options, hints);
-    // After a limit, the phase continues to show where the run ended.
+    // If a limit was reached, the phase still shows where the run ended.
     if outcome.is_ok() {
         progress.set_phase(Phase::Ended);
     }
@@ -417,7 +418,7 @@ pub fn order_from_variables(
     (order.pairs().len() == usize::from(last) + 1).then_some(order)
 }
 
-/// Returns the variables by the position of their topmost bit.
+/// Returns the variables, sorted by the position of their topmost bit.
 fn variables_by_position(specification: &Specification, order: &Order) -> Vec<VarId> {
     let encoding = Encoding::new(specification);
     let positions = order.positions();

@@ -26,8 +26,8 @@ pub struct Statistics {
     pub inner: u64,
     /// Number of controllable predecessors computed.
     pub predecessors: u64,
-    /// Whether the game is too large for checks in addition to its verdict. Depends on the numbers
-    /// of bits and nodes, never on time.
+    /// Whether the game is too large for checks beyond its verdict. Depends on the numbers of bits
+    /// and nodes, never on time.
     pub large: bool,
     /// Variables in the initial order, from the top of the diagrams to the bottom, by the position
     /// of their topmost bit.

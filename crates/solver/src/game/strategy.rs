@@ -6,11 +6,12 @@
 //! 1. *Preference.* Of the winning moves, keep the best kind that is possible (Bloem et al. 2012,
 //!    section 4): reach the goal, and get as close to the next goal as possible; or else get as
 //!    close to this goal as possible; or else wait while an assumption fails. If many valuations
-//!    could occur, or few states are requested, keep only moves into a small closed set of states.
+//!    could occur, or a small number of states is preferred, keep only moves into a small closed
+//!    set of states.
 //! 2. *Forgetting.* A move should depend on as few inputs as possible, since the machine has to
 //!    remember current inputs, and next inputs make its guards longer. Input by input, prefer moves
-//!    that are correct for every value of that input. Combinations that cannot occur in a play
-//!    count as correct.
+//!    that are correct for every value of that input. Combinations of values that cannot occur in a
+//!    play count as correct.
 //! 3. *Choice.* One after the other, each output keeps its value where possible, and otherwise
 //!    takes the smallest possible value.
 //! 4. *Reachability.* Compute the reachable states, so that all others can be omitted.
@@ -78,7 +79,8 @@ pub fn strategy<K: Kernel>(
             Timing::Moore => builder.first_feasible_moore(&targets)?,
         });
     }
-    // Moves have to be correct in the reachable states; a superset is cheaper to compute.
+    // Moves have to be correct only in the reachable states. A superset of these states is used
+    // because it is cheaper to compute.
     let mut possible = builder.reachable(&wide, &initial)?;
     let gather = preference == Preference::States || builder.count(&possible) > MANY_VALUATIONS;
     if gather && arena.timing == Timing::Mealy {
@@ -131,7 +133,7 @@ impl<'a, K: Kernel> StrategyBuilder<'a, K> {
     }
 
     /// Returns the valuations of step 0, with the smallest possible outputs, since there are no
-    /// values to keep.
+    /// earlier values to keep.
     fn initial(&self) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut good = m.and(&arena.sys_initial, self.region)?;
@@ -344,7 +346,8 @@ impl<'a, K: Kernel> StrategyBuilder<'a, K> {
         ])
     }
 
-    /// Returns the moves in pursuit of goal `j` that lead into these states, given by goal.
+    /// Returns the moves in pursuit of goal `j` that lead into `states`. For each goal, `states`
+    /// holds the allowed states in which that goal is pursued.
     fn moves_into(
         &self,
         moves: &K::Function,
@@ -359,9 +362,10 @@ impl<'a, K: Kernel> StrategyBuilder<'a, K> {
         Ok(into)
     }
 
-    /// Returns, for every goal, a set of states; the sets are small, and closed under moves that
-    /// are possible within them. For each input, an answer into a known state is preferred;
-    /// otherwise a new state is added, the same one for as many source states as possible.
+    /// Returns a small set of states for every goal. The sets are closed: from each state, every
+    /// legal next input has an answer that leads into one of the sets. An answer that leads into a
+    /// known state is preferred. Otherwise a new state is added, and the same new state is used for
+    /// as many source states as possible.
     fn gather(
         &self,
         moves: &[K::Function],

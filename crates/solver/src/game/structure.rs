@@ -1,15 +1,17 @@
-//! Finds a variable order from the structure of a specification, in which variables that occur
-//! together lie near each other.
+//! Derives a variable order from the structure of a specification. In this order, variables that
+//! occur in the same formulas lie near each other.
 //!
 //! The method is FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement
 //! variable-ordering heuristic", GLSVLSI 2003). Every formula, or every conjunct of a conjunction,
-//! is a hyperedge. It pulls its variables toward its center of gravity, until the sum of all spans
-//! no longer shrinks. The result is only a starting point for sifting.
+//! is a hyperedge. In every round, each hyperedge pulls its variables toward their center of
+//! gravity, until the sum of all spans no longer shrinks. The result is only a starting point for
+//! sifting.
 //!
 //! A formula about whole arrays does not show which elements belong together, but its comparisons
-//! do: the comparison of `built[i]` with `target[i]` is small only if the two are adjacent;
-//! otherwise its conjunction with the other comparisons is never small. Games of many bits can be
-//! encoded only in a reasonable order, so there comparisons of numbers are hyperedges, too.
+//! do. If `built[i]` is compared with `target[i]` for every `i`, but the order does not place each
+//! `built[i]` next to its `target[i]`, the diagram of the formula becomes large. A game with many
+//! bits can be encoded only in a good order. So above [`MANY_PAIRS`], comparisons of numbers are
+//! hyperedges, too.
 
 use crate::symbolic::{Bit, Encoding, Order};
 use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
@@ -17,12 +19,13 @@ use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
 /// Maximum number of rounds; spans hardly shrink after the first few.
 const MAX_ROUNDS: usize = 30;
 
-/// Number of bit pairs above which comparisons are hyperedges, and formulas are restricted to codes
-/// that have a value.
+/// With more bit pairs than this, each comparison of numbers is a hyperedge of its own, and
+/// formulas are restricted to bit codes that stand for a value of the domain.
 pub const MANY_PAIRS: usize = 48;
 
-/// Returns the pairs of bits, with the variables ordered by structure; the pairs of a variable stay
-/// together, and pairs without a variable come last. `pairs` is the total number of pairs.
+/// Returns an order of the pairs of bits in which the variables are ordered by structure. The pairs
+/// of a variable stay together, and pairs without a variable come last. `pairs` is the total number
+/// of pairs.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);
@@ -91,7 +94,8 @@ fn variables(formula: &Expr) -> Vec<usize> {
     found
 }
 
-/// Returns the variables in the order in which the hyperedges mention them, followed by the others.
+/// Returns the variables in the order in which the hyperedges mention them, followed by the
+/// variables that no hyperedge mentions.
 fn order_of_mention(edges: &[Vec<usize>], variables: usize) -> Vec<usize> {
     let mut order = Vec::new();
     let mut seen = vec![false; variables];

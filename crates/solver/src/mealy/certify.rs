@@ -4,7 +4,8 @@
 //! The functions and the sets of the [`Certificate`](crate::game::Certificate) are built from plain
 //! data in a fresh kernel, the specification is encoded anew, and every obligation is one
 //! implication between functions. The check does not depend on how the game was solved or the
-//! functions were chosen. A wrong certificate can only make the check fail.
+//! functions were chosen. A wrong certificate can make the check fail, but never makes it accept
+//! wrong functions.
 //!
 //! - Step 0: for inputs that keep the assumptions, the outputs keep the initial conditions and lie
 //!   in the region.
@@ -19,7 +20,8 @@
 //!   step's inputs.
 //!
 //! The steps of a mode form one relation: the mode's condition, conjoined with the functions of all
-//! outputs. It is small, since it is restricted to the relevant states and inputs from the start.
+//! outputs. This relation is small, because it is restricted to the relevant states and inputs from
+//! the start.
 
 use super::Port;
 use super::functions::Functions;
@@ -29,7 +31,7 @@ use linewright_core::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use std::fmt;
 use std::ops::Range;
 
-/// Number of nodes above which functions are checked on `OxiDD`'s kernel instead of biodivine's.
+/// Functions with more nodes than this are checked on `OxiDD`'s kernel instead of biodivine's.
 const SMALL_NODES: usize = 2_000;
 
 /// A violated clause of the certified property.
@@ -41,9 +43,9 @@ pub struct Fault {
 
 /// A clause of the certified property.
 ///
-/// The name of a variant describes the violation, its documentation what must hold. Clauses about
-/// formulas of the contract carry the name of a violated formula; clauses about layers carry the
-/// name of the goal.
+/// The name of a variant names the violation; its documentation states what must hold. Clauses
+/// about formulas of the contract carry the name of a violated formula; clauses about layers carry
+/// the name of the goal.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
     /// Ports, their bits, timing and the number of goals equal those of the contract.
@@ -69,7 +71,8 @@ pub enum Clause {
     /// The check of every assumption depends only on current values and next inputs, and names an
     /// existing formula.
     AssumptionCheck,
-    /// The region lies within the domains of all outputs; carries the name of an output.
+    /// The region lies within the domains of all outputs; carries the name of an output that can
+    /// leave its domain.
     Domain(String),
     /// The region lies within every guaranteed invariant.
     Invariant(String),
@@ -85,9 +88,9 @@ pub enum Clause {
     InitialRegion,
     /// Every step keeps every guaranteed safety formula.
     Safety(String),
-    /// The next goal is pursued exactly after the steps that reach this one.
+    /// The next goal is pursued exactly after the steps that reach the pursued goal.
     GoalSwitch(String),
-    /// Every step of a mode for reaching the goal reaches it, and leads into the region.
+    /// Every step of a mode with [`Aim::Goal`] reaches the goal and leads into the region.
     GoalMissed(String),
     /// Every step that does not reach the goal leads into its target layer.
     LayerMissed(String),
@@ -115,7 +118,7 @@ impl fmt::Display for Clause {
             Self::ModeLayer => "a mode leads to a layer that does not exist",
             Self::ModeMissing => "the last mode of a goal does not apply to all states",
             Self::AssumptionCheck => {
-                "the check of an assumption depends on an unknown value or names no formula"
+                "the check of an assumption uses an unknown value or a formula that does not exist"
             }
             Self::Domain(output) => return write!(f, "`{output}` can leave its domain"),
             Self::Layers => "a layer does not lie within the next one or the region",
@@ -357,13 +360,14 @@ impl Supports {
     }
 }
 
-/// Maximum node count up to which formulas of the machine's safety are combined.
+/// Formulas of the machine's safety are combined as long as their node counts add up to at most
+/// this number.
 const CLUSTER_NODES: usize = 3_000;
 
-/// Maximum node count up to which outputs are combined.
+/// Outputs are combined until their conjunction has more nodes than this.
 const OUTPUT_NODES: usize = 500;
 
-/// A check with all its functions.
+/// A check in progress, with the functions that it uses.
 struct Check<'a, K: Kernel> {
     specification: &'a Specification,
     functions: &'a Functions,
@@ -398,7 +402,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         let controls = &functions.controls;
         let encoding = Encoding::new(specification);
         let m = K::new(&controls.order, limits)?;
-        // The functions are small in the order that comes with them.
+        // The order is kept, because the functions are small in the order that comes with them.
         m.set_reordering(false);
         let mut all = controls.diagram.clone();
         all.roots = (0..all.nodes.len()).map(Edge::to).collect();
@@ -515,7 +519,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         m.and(&steps, &several)
     }
 
-    /// Returns the index of a formula of the machine's safety that some step breaks, if any.
+    /// Returns the index of a formula of the machine's safety that some of these steps breaks;
+    /// `None` if they break no formula.
     fn broken(&self, steps: &K::Function) -> Result<Option<usize>, Limit> {
         let m = &self.kernel;
         for (cluster, places) in &self.clusters {
@@ -652,8 +657,9 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(Ok(()))
     }
 
-    /// Returns the fault of a step that does not reach the goal and neither moves from its layer to
-    /// a lower one nor waits while the layer's assumption fails; `None` if all steps are right.
+    /// Checks `steps`, none of which reaches the goal. Each of them must move from its layer to a
+    /// lower one, or wait while the layer's assumption fails. Returns the fault of a step that does
+    /// neither; `None` if there is no such step.
     fn fault_in_any_layer(
         &self,
         goal: usize,
@@ -679,8 +685,9 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok((!m.is_false(&rest)).then_some(ProgressFault::OutsideLayers))
     }
 
-    /// Returns the fault of a step that does not reach the goal and neither moves into the target
-    /// layer nor waits while the layer's assumption fails; `None` if all steps are right.
+    /// Checks `steps`, none of which reaches the goal. Each of them must move into the target layer
+    /// `layer`, or wait in it while the layer's assumption fails. Returns the fault of a step that
+    /// does neither; `None` if there is no such step.
     fn fault_in_layer(
         &self,
         goal: usize,
@@ -695,11 +702,12 @@ impl<'a, K: Kernel> Check<'a, K> {
             None => m.constant(false),
         };
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
-        // From above the layer, all moves into it are correct; from within, all moves below it, and
-        // waiting while its assumption fails. Only the wrong steps are computed, and sets of states
-        // are combined first, so that the large set of correct steps is never built. At the last
-        // check no step starts below the layer, so the steps that start in `reached` start in the
-        // layer itself.
+        // From above the layer, every move into it is correct. From within the layer, every move to
+        // a lower layer is correct, and so is waiting while the layer's assumption fails. Only the
+        // wrong steps are computed, and sets of states are combined first, so that the large set of
+        // correct steps is never built. The second check ensures that no step starts below the
+        // layer. So for the third check, the steps that start in `reached` start in the layer
+        // itself.
         if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
             return Ok(Some(ProgressFault::LayerMissed));
         }

@@ -2,9 +2,9 @@
 //! behavior of a state.
 //!
 //! The transitions of a state form one diagram. Each inner node tests one input; each leaf holds
-//! the output and the next state, or marks the inputs as don't-care. Equal behavior has the same
-//! node, so minimization compares numbers, and reading a diagram back gives disjoint cubes in a
-//! fixed order.
+//! the output and the next state, or marks the inputs as don't-care. Equal behavior is always the
+//! same node, so minimization only compares node numbers, and reading a diagram back gives disjoint
+//! cubes in a fixed order.
 
 use super::{Cube, Port, Test};
 use std::collections::{BTreeMap, HashMap};
@@ -26,7 +26,8 @@ enum Node {
     /// Don't-care: these inputs break an assumption.
     DontCare,
     Leaf(Leaf),
-    /// Tests an input; each edge covers values up to its bound, starting after the previous edge.
+    /// Tests an input. Each edge covers the values up to its bound, starting after the bound of the
+    /// previous edge.
     Test {
         input: u32,
         edges: Vec<(i64, Ref)>,
@@ -101,7 +102,8 @@ impl Diagrams {
         result
     }
 
-    /// Returns the input that a node tests, and its edges; `u32::MAX` for a node that tests none.
+    /// Returns the input that a node tests, and the node's edges; `u32::MAX` and no edges if the
+    /// node tests no input.
     fn edges(&self, node: Ref) -> (u32, &[(i64, Ref)]) {
         match &self.nodes[node as usize] {
             Node::Test { input, edges } => (*input, edges),
@@ -110,8 +112,8 @@ impl Diagrams {
     }
 
     /// Combines two diagrams: where one is don't-care, the result is the other; where both have a
-    /// leaf, `join` decides. Returns `None` if `join` does, or if `steps`, which is decremented at
-    /// every pair of nodes, is used up.
+    /// leaf, `join` decides. Returns `None` if `join` returns `None`, or if `steps` is used up.
+    /// `steps` is decremented for every visited pair of nodes.
     pub fn overlay(
         &mut self,
         a: Ref,

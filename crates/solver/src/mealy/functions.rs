@@ -4,8 +4,8 @@
 //! The value of every port is encoded in bits. A step computes the next output bits one after the
 //! other, each with a decision diagram over the signals: the bits of the current inputs and
 //! outputs, of the next inputs, and of the next outputs computed so far. The memory between steps
-//! consists of the current values and the pursued goal. A goal has several modes; the first one
-//! whose condition holds determines the outputs.
+//! consists of the current values and the pursued goal. A goal can have several modes; the first
+//! mode whose condition holds determines the outputs.
 //!
 //! Signal `2k` is a current bit, and `2k + 1` the same bit in the next step. Step 0 has no current
 //! values; its inputs and outputs are next bits, too. [`Edge`] defines the edges of the diagrams.
@@ -183,8 +183,8 @@ impl Functions {
         values.collect()
     }
 
-    /// Returns the goal that is pursued after a step with these signals; `goal` is the one pursued
-    /// before, `None` in step 0.
+    /// Returns the goal that is pursued after a step with these signals. `goal` is the goal pursued
+    /// in the step, `None` in step 0.
     pub fn next_goal(&self, goal: Option<usize>, signals: &[bool]) -> usize {
         let goals = &self.controls.goals;
         match goal {

@@ -4,12 +4,12 @@
 //! gr1c's automaton labels *nodes* with valuations: a node is a state together with the inputs and
 //! outputs of the step that entered it, and `trans` lists the possible next nodes. So every input
 //! valuation that keeps the assumptions is written separately; above [`MAX_NODES`] nodes or 5
-//! million edges, the conversion gives up. gr1c's variables are boolean or `[0, n]`: a range with
+//! million edges, the conversion fails. gr1c's variables are boolean or `[0, n]`: a range with
 //! another lower bound is shifted to 0, and labels become their numbers; `extra` records the shift
 //! and the labels. `mode` (the pursued goal) and `rgrad` (the distance to it) are unknown for a
-//! minimized machine: every node has mode 0, and -1, which means "not available" in gr1c. `gr1c`
-//! (the version of gr1c) and `date` are constant, so that the same machine gives the same bytes;
-//! `extra` also names this program.
+//! minimized machine. So every node has `mode` 0 and `rgrad` -1, which means "not available" in
+//! gr1c. `gr1c` (the version of gr1c) and `date` are constant, so that the same machine gives the
+//! same bytes; `extra` also names this program.
 
 use super::{Machine, Port};
 use crate::game::Limit;
@@ -157,8 +157,9 @@ impl<'a> Assumptions<'a> {
         }
     }
 
-    /// Calls `visit` with all input valuations that keep the assumptions in step 0, or after the
-    /// valuation `from` of inputs and outputs. The last input varies fastest.
+    /// Calls `visit` with all input valuations that keep the assumptions: after the valuation
+    /// `from` of inputs and outputs, or in step 0 if `from` is `None`. The last input varies
+    /// fastest.
     fn letters(
         &self,
         from: Option<&[i64]>,
@@ -201,7 +202,8 @@ impl<'a> Assumptions<'a> {
         }
     }
 
-    /// Whether the assumptions hold that can be evaluated as soon as `chosen` inputs are chosen.
+    /// Whether those assumptions hold that can be evaluated once `chosen` inputs are chosen, but
+    /// not earlier.
     fn keeps(&self, chosen: usize, first: bool, now: &[i64], next: &[i64]) -> bool {
         let own = if first {
             self.first[chosen].iter().all(|e| eval::holds(e, next, &[]))

@@ -1,4 +1,4 @@
-//! Reduces the number of states of a machine and keeps its behavior on all inputs that keep the
+//! Reduces the number of states of a machine without changing its behavior on inputs that keep the
 //! assumptions.
 //!
 //! The first method is partition refinement (after Hopcroft and Moore); its signatures are
@@ -13,8 +13,8 @@ use crate::game::{Limit, Limits};
 use linewright_core::gr1::Timing;
 use std::collections::HashMap;
 
-/// Maximum number of pairs of diagram nodes visited while merging by don't-cares. Where merging is
-/// expensive, it gains little.
+/// Maximum number of pairs of diagram nodes visited while merging by don't-cares. Merging that
+/// would take more steps saves only a few states.
 const MERGE_STEPS: u64 = 300_000;
 
 /// A machine during minimization, with its states as diagrams.
@@ -231,7 +231,7 @@ impl Work {
 /// Classes of merged states.
 #[derive(Clone)]
 struct StatePartition {
-    /// For each state, a smaller member of its class; for the smallest member, itself.
+    /// For each state, a smaller member of its class. The smallest member refers to itself.
     parent: Vec<u32>,
     /// Behavior of the class; valid at the index of its smallest member.
     diagram: Vec<Ref>,
@@ -250,8 +250,8 @@ impl StatePartition {
     }
 
     /// Merges the classes of `a` and `b`, and all classes that must be merged as a consequence.
-    /// Returns `None` if two of them disagree, the steps are used up, or the number of cubes would
-    /// grow.
+    /// Returns `None` if two of these classes disagree, `steps` is used up, or the number of cubes
+    /// would grow.
     fn try_merge(
         &self,
         diagrams: &mut Diagrams,

@@ -1,10 +1,10 @@
 //! Controllers: finite machines whose transitions carry guards over the inputs.
 //!
-//! A [`Machine`] starts *before* step 0. Step 0 takes one of the `initial` transitions, and every
-//! later step a transition of the current state: the transition whose guard the step's inputs
-//! satisfy. The guards of a state are disjoint. They cover at least all inputs that keep the
-//! assumptions; other inputs can be without a transition. In a `Moore` machine, all transitions of
-//! a state have the same output, and so have all initial transitions.
+//! A [`Machine`] starts *before* step 0. Step 0 takes one of the `initial` transitions; every later
+//! step takes a transition of the current state. It is always the transition whose guard the inputs
+//! of the step satisfy. The guards of a state are disjoint. They cover at least all inputs that
+//! keep the assumptions; for other inputs, there can be no transition. In a `Moore` machine, all
+//! transitions of a state have the same output, and so do all initial transitions.
 
 pub mod certify;
 mod controller;

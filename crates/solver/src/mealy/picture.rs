@@ -16,7 +16,7 @@ const MAX_LINES: usize = 3;
 /// Maximum number of output combinations in the label of an edge.
 const MAX_GROUPS: usize = 3;
 
-/// Maximum line length in characters, if the parts of the line allow it.
+/// Maximum line length in characters. A single part that is longer is not broken.
 const WIDTH: usize = 40;
 
 /// Converts a machine to a graph with labeled states and edges.
@@ -112,7 +112,7 @@ fn assignment(port: &Port, value: i64) -> String {
     }
 }
 
-/// Formats guards with one line per cube, broken if it is too long.
+/// Formats guards with one line per cube. A line that is too long is broken.
 fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
     let cubes = guard_parts(machine, guards);
     let mut lines = Vec::new();
@@ -133,7 +133,8 @@ fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
     lines
 }
 
-/// Joins parts with a separator into lines of at most [`WIDTH`] characters, if the parts allow it.
+/// Joins parts with a separator into lines of at most [`WIDTH`] characters. A single part that is
+/// longer is not broken.
 fn wrap(parts: &[String], separator: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for (i, part) in parts.iter().enumerate() {

@@ -10,7 +10,7 @@ use linewright_core::gr1::{Domain, show_value};
 /// Values of one input: ascending intervals with gaps between them.
 pub type Values = Vec<(i64, i64)>;
 
-/// Maximum number of cubes of a guard that is combined, since combining takes cubic time.
+/// Guards with more cubes than this are not combined, because combining takes cubic time.
 const MAX_CUBES: usize = 200;
 
 /// Returns the disjunction of some guards: for every combined cube, the values of each input.
@@ -117,7 +117,7 @@ fn show_test(port: &Port, values: &Values) -> Option<String> {
     })
 }
 
-/// Returns the missing value, if exactly one is missing.
+/// Returns the value from `low` to `high` that `values` omits, if it omits exactly one.
 fn missing_value(values: &Values, low: i64, high: i64) -> Option<i64> {
     match values[..] {
         [(a, b)] if a == low && b == high - 1 => Some(high),

@@ -1,9 +1,9 @@
 //! The kernel over biodivine-lib-bdd: every function owns its nodes.
 //!
-//! Suited to many small contracts: it starts with a few kilobytes, is safe Rust, and its functions
-//! can be sent between threads. Clones of a [`Function`] share its nodes in an `Arc`. A meter
-//! counts the live nodes, for the memory limit and [`Kernel::peak_nodes`]. The order is fixed at
-//! creation.
+//! Suited to many small contracts: a new kernel takes a few kilobytes, the package is safe Rust,
+//! and functions can be sent between threads. Clones of a [`Function`] share its nodes in an `Arc`.
+//! A meter counts the live nodes, for the memory limit and [`Kernel::peak_nodes`]. The order is
+//! fixed at creation.
 //!
 //! The package's fused relational product can be neither limited nor cancelled. So it is used only
 //! if the operands are small enough for their product to be harmless. For larger operands,
@@ -29,7 +29,7 @@ struct Meter {
     work: AtomicU64,
 }
 
-/// The nodes of one function; dropping it subtracts them from the live nodes.
+/// The nodes of one function. Dropping this value subtracts their number from the live nodes.
 #[derive(Debug)]
 struct Owned {
     bdd: Bdd,
@@ -83,8 +83,8 @@ impl Hash for Function {
 /// Bytes per node, including the tables of the operation that creates it.
 const BYTES_PER_NODE: u64 = 48;
 
-/// Maximum node count without a memory limit. The nodes of a single function must fit the package's
-/// 32-bit pointers.
+/// Maximum number of nodes if no memory limit is set. The package's 32-bit pointers must be able to
+/// address all nodes of a function.
 const MAX_NODES: u64 = 1 << 28;
 
 /// Maximum product of the operands' sizes for which the fused operations are safe without a limit.
@@ -159,7 +159,7 @@ impl Biodivine {
             .fetch_add(1 + nodes as u64, Ordering::Relaxed);
     }
 
-    /// Returns the number of nodes that may still be created, or the limit that was reached.
+    /// Returns the number of nodes that can still be created, or the limit that was reached.
     fn room(&self) -> Result<usize, Limit> {
         self.limits.check_work(self.work())?;
         let made = self.meter.made.load(Ordering::Relaxed);
@@ -342,7 +342,8 @@ impl Kernel for Biodivine {
                 op_function::and,
             )));
         }
-        // Bits are eliminated from the bottom up: the lower a bit, the fewer nodes are affected.
+        // Bits are eliminated from the bottom up, because eliminating a lower bit affects fewer
+        // nodes.
         let mut result = self.and(a, b)?;
         for index in (0..mask.len()).rev().filter(|i| mask[*i]) {
             let variable = BddVariable::from_index(index);

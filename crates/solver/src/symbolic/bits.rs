@@ -23,7 +23,7 @@ fn full_add<K: Kernel>(
     Ok((sum, carry))
 }
 
-/// Returns the number of bits, including the sign, that hold every value of `low..=high`.
+/// Returns how many bits, including the sign, are needed for the values `low..=high`.
 pub fn width(low: i64, high: i64) -> usize {
     let needed = |v: i64| 65 - (if v < 0 { !v } else { v }).leading_zeros() as usize;
     needed(low).max(needed(high))
@@ -168,7 +168,7 @@ impl<K: Kernel> Number<K> {
         for i in 0..width {
             let (mut high, mut low) = (b.bit(i), self.bit(i));
             if i == width - 1 {
-                (high, low) = (low, high); // A number with a set sign is the smaller one.
+                (high, low) = (low, high); // The number whose sign is set is smaller.
             }
             let equal = m.iff(high, low)?;
             let above = m.and_not(high, low)?;

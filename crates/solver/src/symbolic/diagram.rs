@@ -56,17 +56,17 @@ pub struct DiagramNode {
     pub low: Edge,
 }
 
-/// Functions over bits that share equal nodes. Every node comes after its children.
+/// Functions over bits. Functions share equal nodes, and every node comes after its children.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagram {
     /// The decision nodes.
     pub nodes: Vec<DiagramNode>,
-    /// The functions.
+    /// The functions, each as an edge to its topmost node.
     pub roots: Vec<Edge>,
 }
 
 impl Diagram {
-    /// Evaluates the root with this index; `bits` are indexed by [`Bit`].
+    /// Evaluates the root with this index. `bits` holds the values of all bits, indexed by [`Bit`].
     pub fn evaluate(&self, root: usize, bits: &[bool]) -> bool {
         let mut edge = self.roots[root];
         let mut value = false;

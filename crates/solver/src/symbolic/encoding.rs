@@ -1,9 +1,9 @@
 //! The bits of each variable, and expressions as functions of those bits.
 //!
-//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, most significant on top. They hold its
-//! *code*: the value minus the smallest value of the domain. If `n` is not a power of two, some
-//! codes have no value. The result of an encoded formula on such codes is undefined; callers
-//! exclude them with [`Encoding::in_domain`].
+//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, with the most significant pair on top.
+//! They hold the *code* of its value: the value minus the smallest value of the domain. If `n` is
+//! not a power of two, some codes stand for no value. The result of an encoded formula on such
+//! codes is undefined; callers exclude them with [`Encoding::in_domain`].
 
 use super::bits::{Number, width};
 use super::{Bit, BitSet, Kernel, Limit};
@@ -47,7 +47,7 @@ impl Encoding {
         Self { variables, pairs }
     }
 
-    /// Number of pairs of bits of all variables.
+    /// Total number of pairs of bits, over all variables.
     pub fn pairs(&self) -> usize {
         self.pairs
     }
@@ -58,12 +58,13 @@ impl Encoding {
         bits.map(move |b| at(*b, time))
     }
 
-    /// The bits of several variables.
+    /// The set of all bits of these variables at the given time.
     pub fn bit_set(&self, vars: impl IntoIterator<Item = VarId>, time: Time) -> BitSet {
         BitSet::new(vars.into_iter().flat_map(|v| self.bits(v, time)))
     }
 
-    /// The bits of a variable with their values that encode `value`, most significant first.
+    /// The bits of a variable, each with the value that it has in the code of `value`; most
+    /// significant bit first.
     pub fn assignment(&self, var: VarId, time: Time, value: i64) -> Vec<(Bit, bool)> {
         let layout = &self.variables[var.index()];
         let code = (value - layout.low) as u64;
@@ -73,7 +74,7 @@ impl Encoding {
             .collect()
     }
 
-    /// Decodes the value of a variable; `bits` are indexed by [`Bit`].
+    /// Decodes the value of a variable. `bits` holds the values of all bits, indexed by [`Bit`].
     pub fn value(&self, var: VarId, time: Time, bits: &[bool]) -> i64 {
         let layout = &self.variables[var.index()];
         let code = layout.bits.iter().fold(0i64, |code, bit| {
@@ -82,7 +83,7 @@ impl Encoding {
         layout.low + code
     }
 
-    /// Returns the codes of the variable that have a value.
+    /// Returns the codes that stand for a value of the variable.
     pub fn in_domain<K: Kernel>(
         &self,
         m: &K,

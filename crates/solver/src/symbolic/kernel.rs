@@ -4,7 +4,7 @@
 //! twins adjacent in every order, so that renaming one to the other preserves the order.
 //!
 //! An operation that runs out of nodes or time returns an error. Between operations, the caller can
-//! declare a *safe point* ([`Kernel::safe_point`]), at which the kernel may collect garbage and
+//! declare a *safe point* ([`Kernel::safe_point`]), at which the kernel can collect garbage and
 //! change its order.
 
 use super::{Diagram, Limit, Limits};
@@ -79,7 +79,7 @@ impl BitSet {
 pub struct Order(Vec<u16>);
 
 impl Order {
-    /// Creates the order in which `0..pairs` are ascending.
+    /// Creates the order `0, 1, ..., pairs - 1`, from top to bottom.
     pub fn natural(pairs: usize) -> Self {
         Self((0..pairs as u16).collect())
     }
@@ -136,10 +136,10 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// Current order of the pairs.
     fn order(&self) -> Order;
 
-    /// `true` or `false`.
+    /// The constant function `value`.
     fn constant(&self, value: bool) -> Self::Function;
 
-    /// A bit, or its negation.
+    /// The function `bit` if `positive`, otherwise its negation.
     fn literal(&self, bit: Bit, positive: bool) -> Self::Function;
 
     /// Whether the function is constantly true.
@@ -213,7 +213,8 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// Current number of nodes, including dead ones not yet collected.
     fn nodes(&self) -> u64;
 
-    /// Peak number of nodes; a kernel may sample it only at safe points and collections.
+    /// Peak number of nodes. Some kernels sample it only at safe points and collections, so they
+    /// can miss a higher peak in between.
     fn peak_nodes(&self) -> u64;
 
     /// Work done so far, in units: nodes created, operand nodes visited, and operations, weighted
@@ -222,8 +223,8 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// [`Limits::max_work`] need not count work.
     fn work(&self) -> u64;
 
-    /// Declares a safe point: the kernel may collect garbage, and may search for a better order if
-    /// the functions have grown. All functions stay valid.
+    /// Declares a safe point, at which the kernel can collect garbage and, if the functions have
+    /// grown, search for a better order. All functions stay valid.
     fn safe_point(&self) -> Result<(), Limit>;
 
     /// Searches for a better order for the live functions; never increases the number of nodes. A

@@ -25,7 +25,7 @@ pub struct Limits {
     pub budget_factor: BudgetFactor,
 }
 
-/// Why a stage gave up.
+/// Why a stage ended without a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Limit {
     /// The deadline passed, or the command was interrupted.
@@ -47,7 +47,7 @@ pub enum Limit {
 
 impl Limit {
     /// Whether the limit comes from `--timeout`, `--memory` or Ctrl-C. All other limits depend only
-    /// on the question, so repeating it reaches them again.
+    /// on the question, so a second attempt reaches them again.
     pub fn is_external(self) -> bool {
         matches!(self, Self::Stopped(_) | Self::Memory)
     }
@@ -75,32 +75,33 @@ pub struct Budget {
 /// The default budgets. An idle computer does about 20 million units of work per second. The
 /// shipped examples use less than a quarter of the work and half of the nodes: the most expensive
 /// question about the laboratory's line, the premises of its verdict, takes 145 million units and
-/// fewer than 500,000 nodes. `check` waits for a question about a line, so that budget corresponds
-/// to half a minute.
+/// fewer than 500,000 nodes. `check` waits for the answer to each question about a line, so
+/// [`Budget::LINE`] corresponds to only half a minute.
 impl Budget {
-    /// Each question about a line: the calls of its stations, whether parts keep moving, and the
-    /// premises of these verdicts.
+    /// For each question about a line: about the calls of its stations, about whether parts keep
+    /// moving, and about the premises of these verdicts.
     pub const LINE: Self = Self {
         work: 600_000_000,
         nodes: 1_000_000,
     };
-    /// The closed composition of a machine's controllers.
+    /// For the closed composition of a machine's controllers.
     pub const CLOSED_COMPOSITION: Self = Self {
         work: 3_000_000_000,
         nodes: 3_000_000,
     };
-    /// The proof of a machine from the contracts of its components.
+    /// For the proof of a machine's contract from the contracts of its components.
     pub const MACHINE: Self = Self {
         work: 3_000_000_000,
         nodes: 8_000_000,
     };
-    /// A question about the free places that a conveyor's contract guarantees. Such a contract is
-    /// small; for a large one, the question stays open instead of taking long.
+    /// For a question about the free places that a conveyor's contract guarantees. Such a contract
+    /// is usually small. If it is large, the question is left open rather than taking a long time.
     pub const CONVEYOR: Self = Self {
         work: 200_000_000,
         nodes: 200_000,
     };
-    /// One of the many questions about a machine's wiring that the states of its coordinator raise.
+    /// For each question about a machine's wiring. The states of the machine's coordinator raise
+    /// many of them.
     pub const WIRING: Self = Self {
         work: 200_000_000,
         nodes: 2_000_000,
@@ -143,8 +144,8 @@ impl Limits {
         Ok(self.deadline.check()?)
     }
 
-    /// Lowers the work and node limits to the budget times the factor. Limits that are already
-    /// lower stay.
+    /// Lowers the work and node limits to the budget times [`Self::budget_factor`]. Limits that are
+    /// already lower stay.
     #[must_use]
     pub fn with_budget(&self, budget: Budget) -> Self {
         let lower = |limit: Option<u64>, budget: u64| {
@@ -175,8 +176,8 @@ impl Limits {
         self.max_nodes.map_or(by_memory, |n| n.min(by_memory))
     }
 
-    /// Corrects a reported [`Limit::Memory`] to [`Limit::Nodes`] if memory has room for twice the
-    /// node limit, so that the node limit must be the cause.
+    /// Corrects a reported [`Limit::Memory`] to [`Limit::Nodes`] if the memory has ample room for
+    /// the allowed nodes (128 bytes for each), so that the node limit must be the cause.
     pub(crate) fn attribute(&self, limit: Limit) -> Limit {
         const BYTES: u64 = 128;
         let has_room = |nodes: u64| {

@@ -1,10 +1,10 @@
 //! Boolean functions as binary decision diagrams, and the encoding of finite-domain expressions.
 //!
 //! Only this module uses a BDD package. The trait [`Kernel`] lists the operations that a GR(1) game
-//! needs. It has two implementations: [`Biodivine`], whose functions own their nodes, for the many
-//! small contracts of a library, and [`OxiDd`], with complement edges, a shared store and a
-//! persistent cache, for large ones. [`Encoding`] assigns pairs of bits to the variables of a
-//! [`Specification`](linewright_core::gr1::Specification), each current bit next to its primed
+//! needs. It has two implementations. [`Biodivine`], whose functions own their nodes, is for the
+//! many small contracts of a library. [`OxiDd`], with complement edges, a shared store and a
+//! persistent cache, is for large contracts. [`Encoding`] assigns pairs of bits to the variables of
+//! a [`Specification`](linewright_core::gr1::Specification), each current bit next to its primed
 //! twin, and encodes expressions with exact arithmetic. [`Diagram`] holds functions as plain data.
 
 mod biodivine;

@@ -4,20 +4,21 @@
 //! Suited to large games. The store's capacity is fixed at creation, but its memory pages are used
 //! only as nodes are created. Three properties of the package shape this file:
 //!
-//! - Garbage collection clears the cache. So it is done only at safe points, and only when the
-//!   store has grown to three times its size after the last collection.
+//! - Garbage collection clears the cache. So it is normally done only at safe points, and only when
+//!   the store has grown to three times its size after the last collection.
 //! - The package's own collector runs concurrently with the operation that fills the store, and can
-//!   come too late; then the operation fails although most nodes are dead. So a failed operation is
-//!   repeated after a collection.
+//!   start too late. The operation then fails although most nodes are dead. So a failed operation
+//!   is repeated after a collection.
 //! - Running out of nodes while levels are swapped aborts the process. So nothing is reordered
 //!   without headroom in the store.
 //!
 //! If the number of nodes or the work is limited in addition to the memory ([`Ration`]), the result
-//! must not depend on when the package's collector runs. In that case the store has headroom, the
-//! nodes are counted after every operation, and once an operation comes near the collector's
-//! threshold, this and all later operations fail. The number of created nodes then depends only on
-//! the operations: garbage is collected only between operations, when the node count requires it,
-//! so results lost from the cache are rebuilt from nodes that still exist.
+//! must not depend on when the package's collector runs. In that case the store has headroom, and
+//! the nodes are counted after every operation. Once an operation comes near the collector's
+//! threshold, this and all later operations fail. So garbage is collected only between operations,
+//! when the node count requires it, and the number of created nodes depends only on the operations:
+//! if a result is lost from the cache, computing it again creates no nodes, because its nodes still
+//! exist.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order, sift};
 use oxidd::bcdd::{BCDDFunction, BCDDManagerRef, new_manager};
@@ -74,11 +75,12 @@ const SIFT_WORK_PER_NODE: u64 = 60;
 /// node that is owned by a single function.
 const WORK_PER_NODE: u64 = 10;
 
-/// Number of node slots that the package allocates at once. It compares the node count with the
-/// threshold of its collector only when it allocates them.
+/// Number of node slots that the package allocates at once. Only at such an allocation does the
+/// package compare the node count with the threshold of its collector.
 const CHUNK_NODES: u64 = 1 << 16;
 
-/// The store is reordered only if the new order needs less than this percentage of the nodes.
+/// The store is reordered only if the new order needs less than this percentage of the current
+/// nodes.
 const WORTHWHILE_PERCENT: usize = 98;
 
 /// A boolean function.
@@ -110,7 +112,8 @@ struct Shared {
     before: AtomicU64,
     /// Number of nodes created since the last sifting.
     made: AtomicU64,
-    /// Maximum number of nodes created between two safe points since the last sifting.
+    /// Since the last sifting, the largest number of nodes created between two consecutive safe
+    /// points.
     busiest: AtomicU64,
     /// Value of `busiest` at the last sifting.
     busiest_at_sifting: AtomicU64,
@@ -122,7 +125,7 @@ struct Shared {
 /// Counters for limits on nodes and work.
 #[derive(Debug)]
 struct Ration {
-    /// Node count from which the package's collector may have run during an operation.
+    /// If an operation reaches this node count, the package's collector might have run during it.
     threshold: u64,
     /// Whether an operation has reached the threshold.
     overrun: AtomicBool,
@@ -134,13 +137,13 @@ struct Ration {
 
 impl Ration {
     /// Returns the capacity of the store, the maximum number of nodes in use, and fresh counters.
-    /// The arguments are the requested maximum, and the number of nodes that fit into memory.
+    /// `most` is the requested maximum, and `fit` the number of nodes that fit into memory.
     fn new(most: u64, fit: u64) -> (u64, u64, Self) {
         let wanted = 2 * most.saturating_add(2 * CHUNK_NODES);
         let capacity = wanted.min(fit);
         let most = most.min((capacity / 2).saturating_sub(CHUNK_NODES));
         let ration = Self {
-            // The collector starts at 95 %.
+            // The collector starts when 95 % of the store is in use.
             threshold: (capacity / 100 * 95).saturating_sub(CHUNK_NODES),
             overrun: AtomicBool::new(false),
             nodes: AtomicU64::new(0),
@@ -165,7 +168,8 @@ impl fmt::Debug for OxiDd {
 }
 
 impl OxiDd {
-    /// Runs an operation; if the store is full, collects garbage and repeats it, at most twice.
+    /// Runs an operation; if the store is full, collects garbage and repeats the operation, at most
+    /// twice.
     fn attempt(
         &self,
         operation: impl Fn() -> AllocResult<BCDDFunction>,
@@ -203,8 +207,8 @@ impl OxiDd {
         let collected = collections();
         let result = operation();
         let nodes = self.nodes();
-        // The node count is read before the number of collections: if nodes are missing from the
-        // count, a collection has already begun.
+        // The node count is read before the number of collections. So if a collection has removed
+        // nodes from the count, the number of collections shows it.
         if nodes >= ration.threshold || result.is_err() || collections() != collected {
             ration.overrun.store(true, Ordering::Relaxed);
             return Err(Limit::Memory);
@@ -247,7 +251,8 @@ impl OxiDd {
     fn sift_within(&self, work: usize) -> Result<(), Limit> {
         self.limits.check_time()?;
         self.note_peak();
-        // Dead nodes would be reordered, too; moving a few is cheaper than a collection.
+        // Dead nodes would be reordered, too, so they are collected first. If there are only a few,
+        // moving them is cheaper than a collection.
         if self.nodes() > self.shared.collected.load(Ordering::Relaxed) + FEW_DEAD_NODES {
             self.collect();
         }
@@ -307,7 +312,7 @@ impl OxiDd {
         })
     }
 
-    /// Returns the conjunction of the bits, the package's representation of a set of bits.
+    /// Returns the conjunction of the bits, which is how the package represents a set of bits.
     fn conjunction(&self, bits: &BitSet) -> Result<Function, Limit> {
         let mut cubes = self
             .shared
@@ -346,7 +351,7 @@ fn external_roots(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> V
     roots
 }
 
-/// Returns the nodes that have references as a diagram.
+/// Returns a diagram of those nodes that have references.
 fn compact(nodes: &[DiagramNode], roots: &[usize], references: &[(usize, usize)]) -> Diagram {
     let mut places = vec![0; nodes.len()];
     let mut left: Vec<DiagramNode> = Vec::new();
@@ -446,7 +451,7 @@ impl Kernel for OxiDd {
         } else {
             (most, most, most, None)
         };
-        // If the cache is too small, an operation may never end and yet create no nodes that a
+        // If the cache is too small, an operation can run for ever and yet create no nodes that a
         // budget would count. So a node budget does not reduce the cache.
         let cache = if pairs > FEW_PAIRS || is_limited {
             LARGE_CACHE

@@ -1,35 +1,38 @@
 //! Group sifting on plain data: each pair of twins moves as a unit, and the caller passes the
 //! resulting order to a kernel.
 //!
-//! Rudell's sifting ("Dynamic variable ordering for ordered binary decision diagrams", ICCAD 1993)
-//! with groups in the sense of Panda and Somenzi ("Who are the variables in your neighborhood",
-//! ICCAD 1995). The groups are fixed: a bit and its primed twin, current bit on top. Each pair, the
-//! one with the most nodes first, moves to the nearer end of the order, then to the other end, and
-//! finally to the position with the fewest nodes. A direction is abandoned when the diagrams have
-//! grown by a fifth, or when its remaining positions cannot have fewer nodes than the best one.
-//! After that, adjacent pairs that would grow if swapped are moved as one block, since neither
-//! would move away from the other alone. A pass never ends with more nodes than it started with.
+//! The method is Rudell's sifting ("Dynamic variable ordering for ordered binary decision
+//! diagrams", ICCAD 1993) with groups in the sense of Panda and Somenzi ("Who are the variables in
+//! your neighborhood", ICCAD 1995). The groups are fixed: each consists of a bit and its primed
+//! twin, with the current bit on top. Each pair, the one with the most nodes first, moves to the
+//! nearer end of the order, then to the other end, and finally to the position with the fewest
+//! nodes. A direction is abandoned when the diagrams have grown by a fifth, or when its remaining
+//! positions cannot have fewer nodes than the best one. After that, two adjacent pairs are moved as
+//! one block if swapping them would add nodes, because neither pair would move away from the other
+//! alone. A pass never ends with more nodes than it started with.
 //!
-//! The sifter works on a copy with reference counts and complement edges (the high edge is never
-//! negated), not inside a kernel: swapping levels needs no locks, the order can be used by every
-//! kernel, and running out of memory or time leaves the kernel unchanged. The work is limited by
-//! the number of nodes that swaps touch, not by time, so that the same functions always get the
-//! same order.
+//! The sifter does not work inside a kernel, but on a copy with reference counts and complement
+//! edges (the high edge is never negated). So swapping levels needs no locks, every kernel can use
+//! the resulting order, and running out of memory or time leaves the kernel unchanged. The work is
+//! limited by the number of nodes that swaps touch, not by time, so that the same functions always
+//! get the same order.
 
 use super::{Bit, Diagram, Limits, Order};
 use rustc_hash::FxHashMap;
 
-/// A direction is abandoned above this percentage of the smallest node count so far.
+/// A direction is abandoned when the node count exceeds this percentage of the smallest count so
+/// far.
 const GROWTH_PERCENT: usize = 120;
 
-/// Another pass follows if a pass leaves less than this percentage of the nodes.
+/// Another pass follows if a pass leaves less than this percentage of the nodes that it started
+/// with.
 const WORTHWHILE_PERCENT: usize = 95;
 
 /// Maximum number of passes.
 const MAX_PASSES: usize = 6;
 
-/// The first pass is abandoned if a quarter of the work leaves more than this percentage of the
-/// nodes.
+/// Sifting ends during the first pass if at least this percentage of the nodes is left after a
+/// quarter of the allowed work.
 const HOPEFUL_PERCENT: usize = 99;
 
 /// Base of the work limit of a call, in touched nodes. [`WORK_PER_NODE`] is added for every node,
@@ -45,14 +48,15 @@ const MANY_NODES: usize = 20_000;
 /// See [`BASE_WORK`].
 const WORK_PER_NODE: usize = 300;
 
-/// Number of nodes touched between two checks of the deadline: a few milliseconds.
+/// Number of nodes touched between two checks of the deadline; touching them takes a few
+/// milliseconds.
 const CHECK_INTERVAL: usize = 200_000;
 
-/// Stands for a bit in the node of the constant, which tests none.
+/// Placeholder for the bit in the node of the constant, which tests no bit.
 const CONSTANT: u16 = u16::MAX;
 
-/// A node. An edge is twice the number of its target, plus one if negated. Node 0 is the constant
-/// `true`.
+/// A node. An edge is encoded as twice the number of its target node, plus one if the edge is
+/// negated. Node 0 is the constant `true`.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     bit: u16,
@@ -63,9 +67,9 @@ struct Node {
 
 /// Diagrams with a changeable order.
 ///
-/// A swap of two levels creates nodes only in the upper level, and nodes die only in the lower
-/// level: all nodes below stay in use. So a level is a plain list, and only one level at a time
-/// needs a table of its nodes by edges.
+/// A swap of two levels creates nodes only in the upper level and removes nodes only from the lower
+/// level, because all nodes below stay in use. So a level is a plain list, and only one level at a
+/// time needs a table that finds its nodes by their edges.
 #[derive(Debug)]
 pub struct Sifter {
     nodes: Vec<Node>,
@@ -84,14 +88,15 @@ pub struct Sifter {
     positions: Vec<u16>,
     /// Number of nodes except the constant.
     size: usize,
-    /// Number of nodes that may still be touched; set to 0 once the deadline has passed.
+    /// Number of nodes that can still be touched; set to 0 once the deadline has passed.
     work: usize,
     limits: Limits,
     /// Number of nodes to touch until the next check of the deadline.
     until_check: usize,
 }
 
-/// A hash table of nodes by edges with open addressing; incrementing the stamp clears it.
+/// A hash table that finds nodes by their edges, with open addressing. Incrementing the stamp
+/// clears it.
 #[derive(Debug, Default)]
 struct Table {
     slots: Vec<Slot>,
@@ -150,8 +155,8 @@ impl Table {
 /// Returns an order with fewer nodes, and the number of nodes before and after; `None` if no such
 /// order was found.
 ///
-/// `diagram` must respect `order`. Sifting stops after touching `max_work` nodes, or fewer: see
-/// [`BASE_WORK`].
+/// `diagram` must respect `order`. Sifting stops after touching `max_work` nodes, or earlier if the
+/// work limit of the diagram is lower (see [`BASE_WORK`]).
 pub fn sift(
     diagram: &Diagram,
     order: &Order,
@@ -296,8 +301,8 @@ impl Sifter {
         edge ^ negated
     }
 
-    /// Returns the cofactors of an edge for the values 1 and 0 of a bit that is not below the bit
-    /// of its target.
+    /// Returns the cofactors of an edge for the values 1 and 0 of `bit`, which must not be below
+    /// the bit that the edge's target tests.
     fn cofactors(&self, edge: u32, bit: u16) -> (u32, u32) {
         let node = &self.nodes[(edge >> 1) as usize];
         if node.bit == bit {
@@ -340,8 +345,8 @@ impl Sifter {
         self.staying = staying;
     }
 
-    /// Turns these nodes of the upper bit into nodes of the lower bit. The upper level must contain
-    /// only the other nodes.
+    /// Turns the nodes `moving` of the upper bit into nodes of the lower bit. The upper level must
+    /// already contain only its other nodes.
     fn exchange(&mut self, upper: Bit, lower: Bit, moving: &[u32]) {
         let staying = &self.levels[upper.index()];
         self.table.begin(staying.len() + 2 * moving.len());
@@ -365,7 +370,7 @@ impl Sifter {
             self.release(high);
             self.release(low);
         }
-        // The new nodes keep the children of the dead nodes alive.
+        // The new nodes refer to the children of the dead nodes, so no node below dies.
         self.drop_dead(lower);
         self.levels[lower.index()].extend_from_slice(moving);
     }
@@ -389,7 +394,7 @@ impl Sifter {
         self.levels[bit].len() + self.levels[bit + 1].len()
     }
 
-    /// Sifts until a pass is not worthwhile; returns the number of nodes.
+    /// Sifts until a pass saves too little or the work is used up; returns the number of nodes.
     fn sift(&mut self) -> usize {
         let all = self.work;
         for pass in 0..MAX_PASSES {
@@ -467,9 +472,9 @@ impl Sifter {
             let below = &self.order[here + length..];
             let mut below: usize = below.iter().map(|p| self.nodes_of(*p)).sum();
             while here != if upwards { 0 } else { last } {
-                // A lower bound for the rest of this direction: moving down keeps the nodes above
-                // the block and as many nodes as the block has; moving up keeps the nodes below the
-                // block.
+                // A lower bound of the node count for the rest of this direction. Moving down
+                // leaves the nodes above the block unchanged, and at least as many nodes as the
+                // block has now remain. Moving up leaves the nodes below the block unchanged.
                 let least = if upwards { below } else { self.size - below };
                 if least >= best_size {
                     break;
@@ -494,7 +499,7 @@ impl Sifter {
         }
     }
 
-    /// Moves the block at position `here` by one; returns its new position.
+    /// Moves the block at position `here` up or down by one position; returns its new position.
     fn step(&mut self, here: usize, length: usize, upwards: bool) -> usize {
         if upwards {
             for position in here - 1..here - 1 + length {

@@ -1,10 +1,11 @@
-//! Decides questions with too many values to enumerate, with decision diagrams.
+//! Uses decision diagrams to answer questions with too many values to enumerate.
 //!
 //! The wires of a question become the variables of a specification, and its hypotheses and goal
 //! become formulas, so that the encoding and variable order are those of the games. The question is
-//! whether some values satisfy the hypotheses but not the goal. Small questions are answered with
-//! the kernel that starts fast, others with the kernel that reorders variables; a node count
-//! selects the kernel, not the time.
+//! whether some values satisfy the hypotheses but not the goal. Each question first goes to the
+//! kernel that starts fast. If that kernel reaches its node limit, the kernel that reorders
+//! variables answers the question. The limit counts nodes instead of time, so every run selects the
+//! same kernel.
 
 use super::query::{Answer, Values, domain};
 use super::support;
@@ -40,11 +41,12 @@ pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> An
 struct Encoded {
     /// The wire of each variable.
     wires: Vec<VarId>,
-    /// Its assumptions' invariants are the hypotheses, its guarantees' only invariant is the goal.
+    /// The invariants of the assumptions are the hypotheses. The only invariant of the guarantees
+    /// is the goal.
     specification: Specification,
     /// The variables to name in a counterexample: those of the goal.
     named: Vec<(VarId, Time)>,
-    /// All variables that occur.
+    /// All variables that occur in the hypotheses or in the goal.
     occurring: Vec<(VarId, Time)>,
 }
 
@@ -121,11 +123,11 @@ impl Encoded {
         Ok(Answer::Fails(Values(values.collect())))
     }
 
-    /// Computes functions over the goal's variables whose conjunction is the projection of the
-    /// hypotheses. All other variables are eliminated one after the other, the one with the
-    /// smallest functions first, and each only from the functions that mention it. The values of
-    /// loosely related actions are therefore never combined. `None` if no values satisfy the
-    /// hypotheses.
+    /// Projects the hypotheses to the goal's variables: returns functions over these variables
+    /// whose conjunction is the projection. All other variables are eliminated one by one,
+    /// beginning with the one whose functions are smallest. To eliminate a variable, only the
+    /// functions that mention it are combined, so the values of loosely related actions are never
+    /// combined. Returns `None` if no values satisfy the hypotheses.
     fn known<K: Kernel>(
         &self,
         encoding: &Encoding,

@@ -71,7 +71,7 @@ pub(super) fn merge(
     })
 }
 
-/// Joins the coordinators to one component, with their contracts side by side.
+/// Joins the coordinators into one component, with their contracts side by side.
 fn component(components: &[Component], domain: &Domain) -> Component {
     let mut specification = Specification {
         name: String::new(),
@@ -150,7 +150,7 @@ struct Operations {
     values: Vec<i64>,
     /// Values that stand for operations.
     requested: Vec<i64>,
-    /// Condition over the wires that the operation is done.
+    /// Condition over the wires under which the operation is done.
     done: Expr,
     /// First wire of the coordinators.
     first: usize,
@@ -173,7 +173,9 @@ impl Operations {
         }
     }
 
-    /// The operation that still runs after a step with these outputs of the coordinators, if any.
+    /// Returns the operation that is still in progress after a step in which the coordinators have
+    /// these outputs. `None` if the operation is done, or if `operation` is not the value of an
+    /// operation.
     fn after(&self, operation: i64, outputs: &[i64]) -> Option<i64> {
         let done = self.done.substitute(&mut |v, time| {
             let place = v.index().checked_sub(self.first);
@@ -187,7 +189,7 @@ impl Operations {
     }
 }
 
-/// A joint step of the first coordinators.
+/// A joint step of the coordinators that are combined so far.
 struct Partial {
     guard: Vec<Cube>,
     output: Vec<i64>,
@@ -229,8 +231,8 @@ fn product(machine: &Machine, machines: &[&mealy::Machine]) -> Option<mealy::Mac
 }
 
 impl Product<'_> {
-    /// Transitions from a place, or the initial ones. New places are numbered in order of
-    /// discovery.
+    /// Returns the transitions from a place; for `None`, the initial transitions. New places are
+    /// numbered in order of discovery.
     fn steps(&mut self, from: Option<&Place>) -> Vec<Transition> {
         let values = match from.and_then(|f| f.running) {
             Some(value) => vec![Some(value)],
@@ -272,7 +274,7 @@ impl Product<'_> {
         })
     }
 
-    /// All combinations of a step of each coordinator.
+    /// Returns all combinations of one step per coordinator.
     fn together(&self, from: Option<&Place>) -> Vec<Partial> {
         let mut partial = vec![Partial {
             guard: vec![Cube(Vec::new())],
@@ -300,7 +302,7 @@ impl Product<'_> {
     }
 }
 
-/// The conjunction of two guards; inputs of the second are offset by `first`.
+/// Returns the conjunction of two guards. The inputs of the second guard are offset by `first`.
 fn both(a: &[Cube], b: &[Cube], first: usize) -> Vec<Cube> {
     let mut found = Vec::with_capacity(a.len() * b.len());
     for x in a {

@@ -1,22 +1,23 @@
 //! Checks whether the synthesized coordinator and actions fit together.
 //!
 //! Each contract was checked alone; this module checks their composition. The coordinator's machine
-//! is small and explicit, so the check visits its reachable states, and leaves everything else
-//! (action outputs, properties, signals) as free as the machine's file does. A property that holds
-//! under these conditions also holds in the composition. A property that does not might still hold,
-//! so it gives a warning.
+//! is small and explicit, so the check visits its reachable states. Everything else (action
+//! outputs, properties, signals) can take every value that the machine's file allows. Whatever
+//! holds under these conditions also holds in the composition. Whatever does not hold under them
+//! might still hold in the composition, so it gives a warning.
 //!
 //! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every
 //!   component must follow from the coordinator's outputs, from the guarantees of the actions, and
-//!   from what stays constant during an operation. Cycles of safety are sound, step by step, since
-//!   no step contains a loop (Abadi and Lamport, Conjoining Specifications, 1995).
-//! - **Justice assumptions.** While a justice assumption of the coordinator does not hold, it must
-//!   hold in the next step, or one fixed action must have a justice guarantee that implies it; an
-//!   action's own justice assumptions must follow from the step alone or from a signal's script.
-//!   Anything else gives a warning, because it might hold for a more complex reason. The proofs are
-//!   not circular (McMillan, Circular Compositional Reasoning about Liveness, 1999).
+//!   from what stays constant during an operation. Circular reasoning about safety is sound,
+//!   because it proceeds step by step and no step contains a loop (Abadi and Lamport, Conjoining
+//!   Specifications, 1995).
+//! - **Justice assumptions.** Whenever a justice assumption of the coordinator does not hold, it
+//!   must hold in the next step, or one fixed action must have a justice guarantee that implies it.
+//!   A justice assumption of an action must follow from the step alone or from a signal's script.
+//!   Any other assumption gives a warning, because it might hold for a more complex reason. The
+//!   proofs are not circular (McMillan, Circular Compositional Reasoning about Liveness, 1999).
 //! - **Operations.** From every state in which the coordinator accepts an operation, every fair run
-//!   reaches `done`, and runs exactly the actions that the operation names.
+//!   reaches `done` and executes exactly the actions that the operation names.
 //!
 //! Assumptions that depend only on the operation and the part that the line chooses are *exported*:
 //! they are checked when the library is called. If all assumptions are discharged or exported, no
@@ -80,7 +81,7 @@ pub struct Composition {
 /// Checks the composition of a machine whose components have these verified controllers, in order.
 ///
 /// If a coordinator's controller does not have explicit states, every assumption is reported as
-/// undecided. Without a coordinator, or with another number of controllers than components, every
+/// undecided. Without a coordinator, or if there is not one controller per component, every
 /// assumption is left to the line.
 pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Composition {
     let mut result = Composition::default();
@@ -143,7 +144,7 @@ pub(super) fn over_wires(machine: &Machine, index: usize, expr: &Expr) -> Expr {
     })
 }
 
-/// Checks initial conditions, invariants and safety.
+/// Checks the initial conditions, invariants and safety formulas that a component assumes.
 fn safety(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     let component = &walk.machine.components[index];
     let side = &component.specification.assumptions;
@@ -167,7 +168,7 @@ fn safety(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     }
 }
 
-/// Answers all questions of a formula, and records the result.
+/// Answers the questions about a formula, and records the result.
 fn conclude(
     walk: &Walk<'_>,
     index: usize,
@@ -209,7 +210,7 @@ fn conclude(
     });
 }
 
-/// Finding for an assumption that these values violate.
+/// Creates the finding for an assumption that these values violate.
 fn undischarged(
     walk: &Walk<'_>,
     component: &Component,
@@ -231,7 +232,7 @@ fn undischarged(
     ))
 }
 
-/// Finding for an assumption that was not decided.
+/// Creates the finding for an assumption that could not be decided.
 fn unknown(component: &Component, formula: &Formula) -> Diagnostic {
     Diagnostic::warning(
         codes::ASSUMPTION_UNDISCHARGED,
@@ -245,7 +246,7 @@ fn unknown(component: &Component, formula: &Formula) -> Diagnostic {
     .with_help("use smaller domains so that it can be decided; the library checks it at run time in any case")
 }
 
-/// Checks justice assumptions.
+/// Checks the justice assumptions of a component.
 fn justice(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     let component = &walk.machine.components[index];
     for formula in &component.specification.assumptions.justice {

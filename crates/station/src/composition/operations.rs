@@ -1,8 +1,9 @@
 //! Checks whether each operation runs the actions that it names, and always ends.
 //!
-//! An operation begins at the start, or after the previous operation has ended; its wire then keeps
-//! its value. Along the coordinator's steps, the check counts the *position* in the operation's
-//! sequence: consecutive active steps of an action advance it by one.
+//! An operation begins at step 0, or after the previous operation has ended. From then on, the wire
+//! of the operation keeps its value until the operation ends. Along the coordinator's steps, the
+//! check counts the actions that have begun: this count is the *position* in the operation's
+//! sequence. Consecutive active steps of one action count once.
 
 use super::over_wires;
 use super::query::{Answer, Question};
@@ -98,7 +99,7 @@ fn beginnings(walk: &Walk<'_>, operation: &Operation, done: &Expr) -> BTreeSet<N
     found
 }
 
-/// Simplifies an expression at a node with the values of this operation.
+/// Simplifies an expression at a node, with the wire of the operation set to this operation.
 fn specialized(walk: &Walk<'_>, node: Node, expr: &Expr, operation: &Operation) -> Expr {
     let with = expr.substitute(&mut |w, t| {
         if w == VarId(0) && t == Time::Now {
@@ -110,7 +111,7 @@ fn specialized(walk: &Walk<'_>, node: Node, expr: &Expr, operation: &Operation) 
     walk.known(node, &with)
 }
 
-/// Whether a condition on a step follows from the actions' guarantees.
+/// Whether a condition holds in every step at a node, given the guarantees of the actions.
 fn is_certain(walk: &Walk<'_>, node: Node, condition: &Expr) -> bool {
     let question = Question {
         at: (Some(node), None),
@@ -119,8 +120,8 @@ fn is_certain(walk: &Walk<'_>, node: Node, condition: &Expr) -> bool {
     walk.ask(0, &question) == Answer::Holds
 }
 
-/// Returns the position in the sequence and the active action after a node, or the problem found
-/// there.
+/// Returns the position in the sequence and the active action after a node, or a finding about that
+/// node.
 fn advance(
     walk: &Walk<'_>,
     operation: &Operation,
@@ -149,7 +150,8 @@ fn advance(
     }
 }
 
-/// Finding for an action, or an end, that the operation's sequence does not list at a position.
+/// Creates the finding for a position at which the coordinator does not follow the operation's
+/// sequence: it requests the action `found`, or, for `None`, reports completion.
 fn wrong(
     walk: &Walk<'_>,
     operation: &Operation,
@@ -178,8 +180,8 @@ fn wrong(
     .with_help("change the operation's list or the coordinator's contract so that they agree")
 }
 
-/// Finds a cycle in which the operation never ends although every justice assumption of the
-/// coordinator can hold in it.
+/// Reports a cycle in which the operation never ends although every justice assumption of the
+/// coordinator can hold in that cycle.
 fn endless(
     walk: &Walk<'_>,
     operation: &Operation,

@@ -38,7 +38,7 @@ pub enum Answer {
     TooLarge,
 }
 
-/// Values of some wires.
+/// Values of wires, each in this step or in the next.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Values(pub Vec<((VarId, Time), i64)>);
 
@@ -81,7 +81,7 @@ fn unit(machine: &Machine, wire: VarId) -> String {
     }
 }
 
-/// The output variable of a component that drives a wire.
+/// Returns the component output that drives a wire.
 fn output(machine: &Machine, wire: VarId) -> Option<&Variable> {
     let mut first = machine.plant.len();
     for component in &machine.components {
@@ -135,8 +135,9 @@ impl Question {
         self.enumerate(machine, &wires, &relevant)
     }
 
-    /// Selects hypotheses that share wires with the goal, directly or through others, as long as
-    /// their wires together have at most `max_valuations` valuations. Also returns these wires.
+    /// Selects the hypotheses that share wires with the goal, directly or through other hypotheses,
+    /// as long as all wires involved have at most `max_valuations` valuations. Also returns these
+    /// wires.
     fn relevant(&self, machine: &Machine, max_valuations: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
         let mut wires = support(&self.goal);
         let mut relevant: Vec<&Expr> = Vec::new();

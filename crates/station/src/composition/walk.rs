@@ -1,4 +1,4 @@
-//! Walks the coordinator's reachable states, and asks questions about all wires in each.
+//! Walks the coordinator's reachable states, and answers questions about the wires in each state.
 
 use super::query::{Answer, Question, Values};
 use super::{Discharger, over_wires, support};
@@ -40,7 +40,7 @@ pub struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// Starts a walk of the coordinator, component 0.
+    /// Computes the reachable states of the coordinator, which is component 0.
     pub fn new(machine: &'a Machine, coordinator: &'a mealy::Machine) -> Self {
         let lists = |formulas: fn(&linewright_core::gr1::Side) -> &Vec<Formula>| -> Vec<Vec<Expr>> {
             (0..machine.components.len())
@@ -104,14 +104,15 @@ impl<'a> Walk<'a> {
             .filter(|s| self.is_possible(*s, &[]))
     }
 
-    /// Whether a step can occur under additional conditions on the wires of its step.
+    /// Whether a step can occur if additional conditions on the wires hold in that step.
     pub fn is_possible(&self, step: Step, conditions: &[Expr]) -> bool {
         let mut hypotheses = self.guard(step);
         for condition in conditions {
             hypotheses.push(self.fix(condition, step.from, None));
         }
-        // The step cannot occur if the negation of all conditions holds. They form one goal, so
-        // that none of them is left out as irrelevant.
+        // The step cannot occur if no values satisfy all conditions, that is, if the negation of
+        // their conjunction always holds. All conditions are in the goal, because a hypothesis that
+        // shares no wire with the goal would be left out.
         let all = hypotheses.into_iter().fold(Expr::TRUE, Expr::and);
         let question = Question::plain(&all.not());
         self.answer(&question) != Answer::Holds
@@ -135,7 +136,7 @@ impl<'a> Walk<'a> {
         vec![self.fix(&any, step.from, None)]
     }
 
-    /// The coordinator's outputs at a node; `None` if it has no transition.
+    /// The coordinator's outputs at a node; `None` if the node has no transition.
     fn outputs(&self, node: Node) -> Option<&'a [i64]> {
         self.transitions(node).first().map(|t| t.output.as_slice())
     }
@@ -188,9 +189,10 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Creates questions about a step and the next one: one for steps within an operation, which
-    /// keeps the operation and the part's values, and one for steps between two operations, if the
-    /// operation can end.
+    /// Creates questions about a step and the next one. The first question is about steps within an
+    /// operation, in which the operation and the part's values do not change. The second is about
+    /// steps between two operations. If the operation cannot continue or cannot end in this step,
+    /// the respective question is omitted.
     pub fn questions_for_step(&self, step: Step, goal: &Expr) -> Vec<Question> {
         let target = self.target(step);
         let goal = self.fix(goal, step.from, Some(target));
@@ -245,8 +247,8 @@ impl<'a> Walk<'a> {
     }
 
     /// Answers a question about component `index`, first with only its own hypotheses, then also
-    /// with guarantees of the actions. A component can rely on guarantees in the previous step, and
-    /// in the same step on those of actions that answer before it.
+    /// with guarantees of the actions. A component can rely on all guarantees in the previous step.
+    /// In the same step, it can rely only on the guarantees of actions that are computed before it.
     pub fn ask(&self, index: usize, question: &Question) -> Answer {
         let first = self.answer(question);
         if first == Answer::Holds {
@@ -390,9 +392,9 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Discharges a justice assumption of the coordinator: in every state in which it does not
-    /// hold, it must hold one step later, or a justice guarantee of an action must imply it and
-    /// still do so in the next state.
+    /// Discharges a justice assumption of the coordinator. In every state in which the assumption
+    /// does not hold, it must hold one step later, or a justice guarantee of an action must imply
+    /// it and must still do so in the next state.
     ///
     /// # Errors
     /// Returns values of a step in which neither is the case, or `None` if the implying guarantees
@@ -475,8 +477,9 @@ impl<'a> Walk<'a> {
         self.fix(condition, node, None)
     }
 
-    /// Whether the coordinator's assumptions allow an operation to begin: its initial conditions at
-    /// the start, or its safety assumptions after a step, with all other values of that step free.
+    /// Whether the coordinator's assumptions allow an operation to begin. At the start, these are
+    /// the initial conditions; after a step, the safety assumptions, where all other values of that
+    /// step are free.
     pub fn can_begin(&self, from: Option<Step>, operation: i64) -> bool {
         let side = &self.machine.components[0].specification.assumptions;
         let wire = VarId(0);

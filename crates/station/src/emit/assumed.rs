@@ -1,8 +1,8 @@
 //! Emits the assumptions of a controller with explicit states as C functions.
 //!
-//! The guards of such a controller were simplified with inputs that the assumptions exclude, so it
-//! also has transitions for some of these inputs. A step therefore checks the assumptions before it
-//! searches for a transition.
+//! When the guards of such a controller were simplified, inputs that the assumptions exclude were
+//! treated as don't-cares. The controller therefore also has transitions for some of these inputs,
+//! and a step checks the assumptions before it searches for a transition.
 
 use super::component::{cite, unused};
 use super::expression;
@@ -15,7 +15,7 @@ pub(super) struct Assumptions<'a> {
     specification: &'a Specification,
     /// Index of each variable among the inputs or the outputs.
     places: Vec<usize>,
-    /// Variables whose values in the last step the assumptions read.
+    /// Variables that the assumptions read from the last step.
     kept: Vec<VarId>,
     /// Checks of step 0.
     first: Vec<Check>,
@@ -49,8 +49,8 @@ pub(super) struct StoredStep {
 }
 
 impl<'a> Assumptions<'a> {
-    /// Collects initial conditions and invariants for step 0, invariants and safety for later
-    /// steps, in this order.
+    /// Collects the initial conditions and invariants for step 0, and the invariants and safety
+    /// formulas for later steps, in this order.
     pub fn new(specification: &'a Specification) -> Self {
         let mut places = vec![0; specification.variables.len()];
         for (place, id) in specification.inputs().enumerate() {
@@ -88,12 +88,12 @@ impl<'a> Assumptions<'a> {
         found
     }
 
-    /// Check of a formula about the inputs of one step.
+    /// Returns the check of a formula about the inputs of one step.
     fn check(&self, formula: &Formula) -> Option<Check> {
         check(formula, &|v, _| self.input(v))
     }
 
-    /// Check of a formula about the last step and the inputs of this one.
+    /// Returns the check of a formula about the last step and the inputs of this one.
     fn check_two_steps(&self, formula: &Formula) -> Option<Check> {
         check(formula, &|v, t| match t {
             Time::Now => {
@@ -125,8 +125,8 @@ impl<'a> Assumptions<'a> {
         })
     }
 
-    /// C expressions of the values to store for later steps; `output` returns the expression of an
-    /// output.
+    /// Returns the C expressions of the values to store for the next step. `output` returns the
+    /// expression of the output with the given index.
     pub fn kept_values(&self, output: impl Fn(usize) -> String) -> Vec<String> {
         let kept = self.kept.iter();
         let values = kept.map(|v| match self.specification.variable(*v).owner {
@@ -152,8 +152,8 @@ impl<'a> Assumptions<'a> {
         checks(&self.later, &["last", "values"])
     }
 
-    /// C condition that is true if a step breaks an assumption; `None` without assumptions to
-    /// check.
+    /// C condition that is true if a step breaks an assumption; `None` if there are no assumptions
+    /// to check.
     pub fn broken(&self) -> Option<String> {
         let last = if self.kept.is_empty() {
             "NULL"

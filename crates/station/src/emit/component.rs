@@ -25,19 +25,19 @@ pub(super) struct Emitter<'a> {
     pub machine: &'a Machine,
     pub component: &'a Component,
     pub controller: &'a mealy::Controller,
-    /// Prefix of its functions and tables: `c1_turn`.
+    /// Prefix of the component's functions and tables: `c1_turn`.
     pub prefix: String,
-    /// Names of its variables.
+    /// Names of the component's variables.
     pub variables: Vec<String>,
     /// Names of the machine's wires.
     pub wires: &'a [String],
-    /// Index of its first variable among those of all components.
+    /// Index of the component's first variable among the variables of all components.
     pub first_value: usize,
-    /// Index of its first justice assumption among those of all components.
+    /// Index of the component's first justice assumption among those of all components.
     pub first_justice: usize,
 }
 
-/// Location of a signal: one bit of a value.
+/// Location of a signal in the runtime's values: a signal is one bit of a value.
 struct Signal {
     value: usize,
     /// `LW_PREVIOUS`, `LW_CURRENT` or `LW_SHIFTED` of `ffi/machine.h`.
@@ -54,8 +54,8 @@ impl Signal {
     }
 }
 
-/// Returns the rows of walks, and lists of the rows at which the walks of a step begin. A place
-/// that writes bits of several variables takes several rows.
+/// Returns the rows of the table of walks and, for each list of walks, the rows at which its walks
+/// begin. A place that writes bits of several variables takes several rows.
 fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec<Vec<usize>>) {
     let put = |bits: &[Bit]| {
         let mut values: BTreeMap<(usize, usize), u32> = BTreeMap::new();
@@ -137,7 +137,7 @@ struct Variable<'a> {
     about: String,
 }
 
-/// An input whose binding could leave its domain.
+/// An input whose binding could have a value outside the input's domain.
 #[derive(Serialize)]
 struct Input<'a> {
     name: String,
@@ -311,7 +311,7 @@ impl Emitter<'_> {
         )
     }
 
-    /// Returns its entry in the table of components.
+    /// Returns the component's entry in the table of components.
     pub fn entry(&self) -> Entry {
         let k = self.component;
         let specification = &k.specification;
@@ -371,7 +371,8 @@ impl Emitter<'_> {
         }
     }
 
-    /// Returns the entries of its justice assumptions in the table of messages for the step limit.
+    /// Returns the rules of the component's justice assumptions for the table of messages about the
+    /// step limit.
     pub fn justice_rules(&self) -> Vec<Rule> {
         let justice = &self.component.specification.assumptions.justice;
         justice
@@ -392,7 +393,8 @@ impl Emitter<'_> {
         &self.variables[id.index()]
     }
 
-    /// Inputs whose bindings could leave their domains; the others need no check in a step.
+    /// Inputs whose bindings could have a value outside the input's domain. The other inputs need
+    /// no check in a step.
     fn open_inputs(&self) -> Vec<VarId> {
         let domain = |v: VarId| Interval::of(self.machine.wire_domain(v.index()));
         let specification = &self.component.specification;
@@ -421,7 +423,7 @@ impl Emitter<'_> {
         inputs.collect()
     }
 
-    /// Tables of the transitions as decisions.
+    /// Converts the transitions of a machine to tables of decisions.
     fn decisions(&self, controller: &mealy::Machine) -> DecisionTables<'_> {
         let decisions = Decisions::of(controller);
         let inputs: Vec<VarId> = self.component.specification.inputs().collect();
@@ -487,12 +489,13 @@ impl Emitter<'_> {
         }
     }
 
-    /// Tables of the functions as decisions, and of the locations of the bits that they read.
+    /// Converts functions to tables: decisions, and the locations of the bits that the decisions
+    /// read.
     fn functions(&self, functions: &Functions) -> FunctionTables<'_> {
         let specification = &self.component.specification;
         let mut shifted = Vec::new();
-        // Locations of the bits of each pair: the variable's index, its index among the shifted
-        // ones, and the bit.
+        // For each pair of bits: the index of the variable, the variable's index among the shifted
+        // variables, and the position of the bit in the value.
         let mut places = vec![(0, None, 0); functions.pairs()];
         let inputs = specification.inputs().zip(&functions.input_bits);
         let outputs = specification.outputs().zip(&functions.output_bits);
@@ -540,7 +543,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Statements that compute its inputs.
+    /// Statements that compute the component's inputs.
     fn bindings(&self) -> Vec<String> {
         let wires = |v: VarId, _| format!("values[{}]", self.wires[v.index()]);
         let specification = &self.component.specification;

@@ -2,7 +2,7 @@
 //! dependencies, allocation or recursion.
 //!
 //! A machine becomes tables of guards; functions become a table of decisions that a short loop
-//! evaluates. Large tables compile quickly, and store shared parts once.
+//! evaluates. Even large tables compile quickly, and parts that are shared are stored only once.
 
 use super::Names;
 use super::assumed::{Assumptions, Checks, StoredStep};
@@ -79,7 +79,7 @@ struct Header<'a> {
     moore: bool,
     inputs: Vec<Field<'a>>,
     outputs: Vec<Field<'a>>,
-    /// Number of bits of the last step's values, in a controller as functions.
+    /// For a controller as functions: the number of bits that store the values of the last step.
     bits: Option<usize>,
     kept: Option<StoredStep>,
 }
@@ -98,22 +98,22 @@ struct MachineSource<'a> {
     contract: String,
     name: &'a str,
     tests: Vec<Test<'a>>,
-    /// Ranges of tests by cube.
+    /// For each cube, its range of tests.
     cubes: Vec<Range>,
     transitions: Vec<TransitionRow>,
-    /// Ranges of transitions: of step 0, then of every state.
+    /// The range of transitions of step 0, then of each state.
     states: Vec<Range>,
     answers: Vec<String>,
     operators: Vec<String>,
     assumed_first: Option<Checks<'a>>,
     assumed: Option<Checks<'a>>,
-    /// Number of input values to store.
+    /// Length of the array of input values; at least 1.
     values: usize,
     inputs: Vec<Input<'a>>,
     outputs: Vec<Output<'a>>,
     /// C condition that is true if a step breaks an assumption.
     broken: Option<String>,
-    /// Values that the assumptions read in the next step.
+    /// C expressions of the values that the assumptions read in the next step.
     kept: Vec<String>,
 }
 
@@ -126,7 +126,7 @@ struct Test<'a> {
     name: &'a str,
 }
 
-/// A range of rows in the next table.
+/// A range of rows in another table: the tests of a cube, or the transitions of a state.
 #[derive(Serialize)]
 struct Range {
     first: usize,
@@ -184,8 +184,8 @@ struct Input<'a> {
     field: &'a str,
     low: String,
     high: String,
-    /// Its first signal in this step, and its number of bits; both 0 for a controller with explicit
-    /// states.
+    /// First signal of the input in this step, and the number of its bits; both 0 for a controller
+    /// with explicit states.
     signal: u16,
     bits: usize,
 }

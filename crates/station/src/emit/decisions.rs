@@ -1,7 +1,7 @@
 //! The tables of a controller as functions: decisions with shared parts, and their roots.
 //!
-//! Large tables compile quickly and store shared parts once, and a short loop evaluates them. The
-//! file that uses the tables declares their types.
+//! Even large tables compile quickly, parts that are shared are stored only once, and a short loop
+//! evaluates the decisions. The file that uses the tables declares their types.
 
 use super::rows;
 use super::text::wrap;
@@ -39,8 +39,8 @@ fn nodes(nodes: &[DiagramNode], signal: Signals<'_>) -> String {
     rows(&nodes.collect::<Vec<_>>(), "{ 0 }")
 }
 
-/// Renders two tables: the condition and the first output of each mode; the first mode of each goal
-/// and the condition that the goal is reached.
+/// Renders two tables. The first holds the condition and the first output of each mode. The second
+/// holds, for each goal, its first mode and the condition under which the goal is reached.
 fn goals(goals: &[(Vec<(Edge, usize)>, Edge)]) -> (String, String) {
     let (mut modes, mut reached_goals) = (Vec::new(), Vec::new());
     for (of_goal, reached) in goals {

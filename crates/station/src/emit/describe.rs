@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 pub const SCHEMA: &str = include_str!("station.schema.json");
 
 /// Describes a machine whose library was built with this profile. Every call passes values as
-/// numbers; `labels` lists the names of an enumeration's numbers.
+/// numbers; `labels` lists the names of an enumeration's values, from 0 on.
 pub(super) fn describe(machine: &Machine, contract_hash: &str, profile: &ProfileEntry) -> String {
     let plant: Vec<Value> = machine
         .plant

@@ -235,7 +235,8 @@ fn emit(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> Text {
             }
         }
         Expr::If(c, a, b) => {
-            // A chain of conditions does not nest either.
+            // A chain of conditions is not nested in parentheses, because compilers limit the
+            // depth.
             let otherwise = match **b {
                 Expr::If(..) => emit(b, name).text,
                 _ => operand(b, name),
@@ -335,7 +336,7 @@ fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
 }
 
 /// Returns the C text of a real expression over `properties` (doubles) and `values` (`int64_t`).
-/// `wires` holds the name of each wire's index.
+/// `wires` holds, for each wire, the C name of its index.
 pub fn real(expr: &RealExpr, wires: &[String]) -> String {
     let real = |e: &RealExpr| real(e, wires);
     let zero = |e: &RealExpr| format!("({} == 0.0)", real(e));

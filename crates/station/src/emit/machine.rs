@@ -23,7 +23,7 @@ struct Body {
     output_labels: Vec<Labels>,
     outputs: Vec<Output>,
     properties: Vec<Property>,
-    /// Lists of labels that only properties use.
+    /// Lists of labels that properties use but outputs do not.
     property_labels: Vec<Labels>,
     done: Function,
     unused_by_writes: Vec<&'static str>,
@@ -42,19 +42,19 @@ struct Wire {
 /// An input of the plant.
 #[derive(Serialize)]
 struct Plant {
-    /// Prefix of its script and its function: `p1_turned`.
+    /// Prefix of the input's script and abstraction function: `p1_turned`.
     prefix: String,
     name: String,
     domain: String,
     low: String,
     high: String,
     source: &'static str,
-    /// Fields of its row in the table.
+    /// Fields of the input's row in the table of plant inputs.
     fields: String,
     about: String,
     script: Vec<String>,
     abstraction: Option<Function>,
-    /// Message for a value outside its domain.
+    /// Beginning of the message for a value outside the input's domain.
     message: String,
 }
 

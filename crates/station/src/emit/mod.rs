@@ -37,8 +37,8 @@ pub struct EmittedMachine {
     /// The part of the C file that defines the machine, without description, runtime and adapter,
     /// for use with another adapter.
     pub unit: String,
-    /// The contract hash in `station_describe`, over everything that determines the machine's
-    /// behavior.
+    /// SHA-256 hash over everything that determines the machine's behavior, in hexadecimal.
+    /// `station_describe` returns it.
     pub contract_hash: String,
     /// JSON text of `station_describe`.
     pub description: String,
@@ -51,7 +51,7 @@ struct Library<'a> {
     doc: String,
     unit: &'a str,
     description: String,
-    /// Description of a library compiled against the vendor's header.
+    /// Description for a library that is compiled against the vendor's header.
     vendors_description: String,
 }
 
@@ -95,8 +95,8 @@ pub fn emit(
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
     let description = describe::describe(machine, &hash, &profile.describe());
     let vendors = describe::describe(machine, &hash, &Profile::describe_vendor_header());
-    // 1 to 1023: no handle is 0, and those of two machines rarely coincide, even if only their
-    // names differ.
+    // The mark is between 1 and 1023. No handle is therefore 0, and handles of two machines rarely
+    // coincide, even if the machines differ only in their names.
     let named = hex(&Sha256::digest(format!("{}\n{hash}", machine.name)));
     let mark = u64::from_str_radix(&named[..8], 16).unwrap_or(0) % 1023 + 1;
     let unit = render(
@@ -142,8 +142,8 @@ struct Sizes {
     properties: usize,
     operations: usize,
     justice: usize,
-    /// Maximum number of variables per component whose domain does not begin at 0, over components
-    /// with a controller as functions; `None` if there are none.
+    /// The largest number of variables in one component whose domain does not begin at 0. Only
+    /// components with a controller as functions count; `None` if there are none.
     max_shifted: Option<usize>,
     number: &'static str,
     each_component: Vec<usize>,

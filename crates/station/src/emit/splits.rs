@@ -1,5 +1,5 @@
-//! Converts guards to decisions: a few comparisons find a state's transition, instead of one guard
-//! after another.
+//! Converts guards to decisions, so that a few comparisons find a state's transition. Otherwise, a
+//! step would evaluate one guard after another.
 //!
 //! A split compares one input with a bound; both outcomes lead to another split or to a leaf, which
 //! holds an answer and the next place. Equal splits of all places are shared. A component steps
@@ -8,8 +8,8 @@
 //! same leaf, no further comparison is needed.
 //!
 //! Each split is chosen to leave the fewest guards on its larger side. Guards that cannot be split
-//! well would be copied repeatedly. If a place would need more than a few splits per test, its
-//! guards are therefore compared one after another, by splits of the same kind.
+//! well would be copied repeatedly. If the decisions of a place would therefore need more than a
+//! few splits per test, its splits compare one guard after another instead.
 
 use linewright_solver::mealy::{Cube, Machine, Transition};
 use std::collections::BTreeMap;
@@ -213,7 +213,8 @@ impl Work {
     }
 }
 
-/// The interval in which a cube requires an input; `None` if the cube does not test the input.
+/// Returns the interval in which an input must lie to satisfy a cube; `None` if the cube does not
+/// test the input.
 fn interval(cube: &Cube, input: usize) -> Option<(i64, i64)> {
     let test = cube.0.iter().find(|t| t.input == input)?;
     Some((test.low, test.high))
@@ -228,8 +229,8 @@ fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
             .iter()
             .map(|(cube, _)| interval(cube, input).unwrap_or((low, high)))
             .collect();
-        // Sorted first and last values, to count the guards that begin at or below a bound, and
-        // those that end above it.
+        // The lower ends and the upper ends of the intervals, each sorted: two binary searches then
+        // count the guards that begin at or below a bound and those that end above it.
         let (mut firsts, mut lasts): (Vec<i64>, Vec<i64>) = intervals.into_iter().unzip();
         firsts.sort_unstable();
         lasts.sort_unstable();

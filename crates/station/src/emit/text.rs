@@ -15,7 +15,8 @@ pub fn comment(text: &str) -> String {
         }
     };
     let text: String = text.chars().map(visible).collect();
-    // `/*/` holds both, overlapping; so does `*/*`.
+    // `/*/` and `*/*` contain both marks, overlapping. The second replacement also breaks the mark
+    // that the first one leaves.
     let text = text.replace("*/", "* /").replace("/*", "/ *");
     text.strip_suffix('*')
         .map_or(text.clone(), |rest| format!("{rest}* "))

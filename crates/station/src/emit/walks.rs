@@ -9,8 +9,9 @@
 //! first.
 //!
 //! In the worst case there are exponentially more places than nodes in the bits' decision diagrams.
-//! A walk therefore takes bits only as long as its places stay below a limit for each bit; the
-//! remaining bits go into another walk. A single bit takes as many places as its diagram has nodes.
+//! A walk therefore takes further bits only while the number of its places stays below a limit that
+//! is proportional to the number of its bits. The remaining bits go into another walk. A single bit
+//! takes as many places as its diagram has nodes.
 
 use linewright_solver::game::StrategyFunctions;
 use linewright_solver::symbolic::{Bit, Diagram, DiagramNode, Edge, Order};
@@ -34,7 +35,8 @@ pub(super) struct Walks {
     pub starts: Vec<Vec<usize>>,
 }
 
-/// Undecided bits with their functions; a function can read only bits before its own.
+/// Undecided bits with their functions. A function can read only those undecided bits that come
+/// before its own bit.
 type Undecided = Vec<(Bit, Edge)>;
 
 impl Walks {
@@ -61,7 +63,8 @@ impl Walks {
         let mut begin = 0;
         while begin < bits {
             let part = |count: usize| lists.iter().map(move |list| &list[begin..begin + count]);
-            // A walk always takes one bit, and further ones within their share of places.
+            // A walk always takes one bit. It takes further bits only while its places stay within
+            // the share of these bits.
             let mut taken = builder
                 .walks(part(1), usize::MAX)
                 .expect("a walk for a single bit has no limit; please report this");
@@ -97,7 +100,7 @@ impl Walks {
                 },
             }));
         for (list, start) in self.starts.iter_mut().zip(starts) {
-            // A walk that begins at its end writes no bits.
+            // A walk that begins at its end writes no bits, so it is omitted.
             list.extend((start != 0).then(|| moved(start)));
         }
     }
@@ -110,11 +113,12 @@ const MAX_PAIRS: usize = 4096;
 /// Number of places that a walk can always use.
 const MIN_PLACES: usize = 256;
 
-/// Maximum ratio of new decisions, created while walks are computed, to those of the functions.
+/// Maximum ratio of the decisions that are created while walks are computed to the decisions of the
+/// functions.
 const MAX_NEW_NODES: usize = 4;
 
 struct WalkBuilder {
-    /// Decisions of the functions, then new ones.
+    /// Decisions of the functions, then the decisions that were created for walks.
     nodes: Vec<DiagramNode>,
     unique: HashMap<DiagramNode, usize>,
     restricted: HashMap<(Edge, Bit, bool), Edge>,
@@ -147,8 +151,9 @@ impl WalkBuilder {
         }
     }
 
-    /// Computes the walks that decide these lists of bits, one per list: the places, and the start
-    /// of each. `None` if that needs more than `max_places` places, or too many new decisions.
+    /// Computes the walks that decide these lists of bits, one walk per list. Returns the places
+    /// and the start of each walk; `None` if more than `max_places` places or too many new
+    /// decisions are needed.
     fn walks<'a>(
         &mut self,
         lists: impl Iterator<Item = &'a [(Bit, Edge)]>,
@@ -177,7 +182,8 @@ impl WalkBuilder {
         edge.node().map(|n| self.nodes[n].bit)
     }
 
-    /// Returns the place for this list of bits, after writing those that are already decided.
+    /// Returns the place that decides this list of bits. Bits that are already decided are written
+    /// first.
     fn place_of(&mut self, mut undecided: Undecided) -> Option<usize> {
         let mut put = Vec::new();
         while let Some(decided) = undecided.iter().position(|(_, edge)| edge.node().is_none()) {
@@ -227,7 +233,7 @@ impl WalkBuilder {
     fn walk(&mut self) -> Option<()> {
         while let Some((place, undecided)) = self.waiting.pop() {
             // A bit can be tested only if it is not undecided. The first undecided bit reads no
-            // undecided bit, so a testable one exists.
+            // undecided bit, so at least one bit can be tested.
             let testable = undecided
                 .iter()
                 .filter_map(|(_, edge)| self.top(*edge))
@@ -244,7 +250,7 @@ impl WalkBuilder {
         Some(())
     }
 
-    /// Replaces all functions by their residuals for a value of a bit.
+    /// Replaces all functions by their residuals for one value of a bit.
     fn assign(&mut self, undecided: &mut Undecided, bit: Bit, value: bool) -> Option<()> {
         for (_, edge) in undecided {
             *edge = self.restrict(*edge, bit, value)?;

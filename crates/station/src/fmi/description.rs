@@ -12,7 +12,7 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use std::collections::BTreeSet;
 
-/// Attributes in their order.
+/// Names and values of an element's attributes, in order.
 type Attributes = Vec<(&'static str, String)>;
 
 /// Name and version of this program in files.
@@ -132,7 +132,7 @@ pub(super) fn description(unit: &Unit) -> String {
     xml.text()
 }
 
-/// Variables in the unit's version of the standard: only FMI 3 lists time.
+/// Returns the variables that the description lists. Only FMI 3 lists time.
 pub(super) fn variables(unit: &Unit) -> impl Iterator<Item = &Variable> {
     let two = unit.version == Version::Two;
     let all = unit.interface.variables.iter();
@@ -241,8 +241,8 @@ fn common(variable: &Variable) -> Attributes {
     ]
 }
 
-/// The `initial` attribute: `exact` for a parameter (implied for an input), `calculated` for
-/// others.
+/// Returns the `initial` attribute: `exact` for a parameter, `calculated` for an output or a local
+/// variable. Inputs need none, because the standard implies it.
 fn initial(variable: &Variable) -> Option<&'static str> {
     match variable.causality {
         Causality::Parameter => Some("exact"),
@@ -307,8 +307,8 @@ fn variable_three(xml: &mut Xml, variable: &Variable, enumerations: &[Enumeratio
     xml.element(kind, &attributes);
 }
 
-/// Writes the outputs, all without dependencies; FMI 2 numbers variables from 1, FMI 3 uses their
-/// value references.
+/// Writes the outputs, all without dependencies. FMI 2 refers to a variable by its number, counted
+/// from 1; FMI 3 refers to it by its value reference.
 fn structure(xml: &mut Xml, two: bool, variables: &[&Variable]) {
     let unknowns: Vec<String> = variables
         .iter()

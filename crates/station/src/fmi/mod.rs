@@ -7,9 +7,9 @@
 //! Plant Simulation; `ffi/fmi.c` defines a communication step. An archive does not depend on the
 //! time or path of the build: the same contract and compiler give the same bytes.
 //!
-//! There are two archives instead of one with both versions: a unit of FMI 3 can also contain one
-//! of FMI 2, but many current importers support only one of them, and choose by what the archive
-//! mentions first.
+//! Each version of the standard has its own archive. A unit of FMI 3 could also contain a unit of
+//! FMI 2, but many current importers support only one of the versions, and choose by what the
+//! archive mentions first.
 
 mod archive;
 mod description;
@@ -101,12 +101,12 @@ const SUPPORT_THREE: [(&str, &str); 7] = {
 pub struct Unit {
     /// Version of the standard.
     pub version: Version,
-    /// Its variables.
+    /// Variables of the unit.
     pub interface: Interface,
     /// Token that ties the description to the binary: the `guid` of FMI 2, the `instantiationToken`
     /// of FMI 3.
     pub token: String,
-    /// Its C files.
+    /// C files of the unit.
     pub package: Package,
     name: String,
     doc: String,
@@ -163,8 +163,8 @@ impl Unit {
 
 /// Index of the operation that runs if the host sets none: the first operation that can be repeated
 /// with the start values of all other inputs, so that a unit can be simulated directly after
-/// import. For example, an operation that grips a part cannot be repeated. If no operation is
-/// repeatable, the first one.
+/// import. For example, an operation that grips a part cannot be repeated. If no operation can be
+/// repeated, the first operation is used.
 fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usize {
     const TIMES: usize = 3;
     let mut still = machine.clone();
@@ -202,7 +202,7 @@ pub fn toolchains() -> (Vec<Toolchain>, Vec<Diagnostic>) {
     (toolchains, findings)
 }
 
-/// Finding for a platform whose binary is missing.
+/// Creates the finding for a platform whose binary is missing.
 fn missing(platform: &str, error: &Error) -> Diagnostic {
     let finding = error.to_diagnostic();
     let message = format!(
@@ -216,7 +216,7 @@ fn missing(platform: &str, error: &Error) -> Diagnostic {
 }
 
 /// Builds a machine's units, one per version, in a folder, and returns their paths. For a compiler
-/// that cannot be started, a finding is returned, and the units lack its binary.
+/// that cannot be started, a finding is returned, and the units have no binary from that compiler.
 pub fn build(
     machine: &Machine,
     controllers: &[mealy::Controller],

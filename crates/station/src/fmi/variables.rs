@@ -110,7 +110,8 @@ pub mod group {
     pub const WIRES: u32 = 4;
 }
 
-/// Returns the type of variables with this domain; an enumeration gets index 0.
+/// Returns the type of variables with this domain. For an enumeration, the index is 0 until the
+/// caller sets it.
 pub(super) fn kind(domain: &Domain) -> Kind {
     match domain {
         Domain::Bool => Kind::Boolean,
@@ -498,7 +499,7 @@ fn structured(name: &str) -> (String, String) {
     )
 }
 
-/// Converts one part of a name, and splits it into identifier and indices.
+/// Converts one part of a name, and splits it into an identifier and indices.
 fn segment(text: &str) -> (String, String) {
     let is_index = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
     if let Some((base, rest)) = text.split_once('[')

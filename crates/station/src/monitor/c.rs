@@ -207,7 +207,7 @@ impl<'a> Text<'a> {
         )
     }
 
-    /// The sets of skills that can be called at once, each with its names.
+    /// The sets of skills that can be called at once, each with the names of its skills.
     fn sets(&self) -> Vec<Set> {
         let sets = self.layout.sets.iter().map(|set| {
             let all = self.table.skills.iter().enumerate();

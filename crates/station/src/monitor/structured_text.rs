@@ -1,9 +1,5 @@
-//! Emits a monitor of skill orders as a function block of IEC 61131-3: one input per skill, whose
-//! rising edge is the call.
-//!
-//! A table gives the union of a set and one more skill. The block uses it skill by skill to find
-//! the number of the set that is called at once, so it needs no bit masks, which systems store in
-//! different ways. All sets that are never called at once share one number.
+//! Emits a monitor of skill orders as a function block of IEC 61131-3. The block has one input per
+//! skill; a rising edge at an input is a call of that skill.
 
 use crate::structured_text::names::{Names, comment, identifier, stem, string};
 use crate::structured_text::tables::{element, named_table};
@@ -175,8 +171,9 @@ impl Sets {
         self.0.len() + 2
     }
 
-    /// For every set and skill, the number of their union, if the skill comes after all skills of
-    /// the set.
+    /// Returns, for every set and skill, the number of their union. If the skill does not come
+    /// after all skills of the set, or if the union is never called, it is the number of all other
+    /// sets.
     fn unions(&self, skills: usize) -> Vec<i64> {
         let other = self.count() - 1;
         let masks = std::iter::once(0).chain(self.0.keys().map(|(_, mask)| *mask));
@@ -194,7 +191,8 @@ impl Sets {
         with
     }
 
-    /// For every state and set, the next state, or a negative number with the reason to refuse.
+    /// Returns, for every state and set, the next state or a negative number that stands for the
+    /// reason to refuse the set.
     fn next(&self, table: &Table, layout: &Layout) -> Vec<i64> {
         let mut next = Vec::new();
         for state in 0..table.states {
@@ -278,13 +276,13 @@ struct Body<'a> {
     rule: &'a str,
     set: &'a str,
     to: &'a str,
-    /// Expression of the state after the set, or of the reason to refuse.
+    /// Expression of the next state after the set of calls, or of the reason to refuse it.
     next: String,
     skills: Vec<Skill<'a>>,
     reasons: Vec<Reason>,
 }
 
-/// A skill's input and output, and the expression of the union of a set with it.
+/// The input and the output of a skill, and the expression of the union of a set with the skill.
 #[derive(Serialize)]
 struct Skill<'a> {
     name: &'a str,

@@ -88,7 +88,7 @@ impl Event {
     }
 }
 
-/// The rule of an order. In each list of events, any of the events is meant.
+/// The rule of an order. A list of events stands for any one of its events.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum OrderRule {
     /// `never X`
@@ -111,9 +111,9 @@ pub enum OrderRule {
     },
     /// `X only after Y`
     OnlyAfter {
-        /// Events that are restricted.
+        /// Events that the rule restricts.
         what: Vec<Event>,
-        /// Events of which one must come before.
+        /// Events of which at least one has to happen first.
         after: Vec<Event>,
     },
     /// `at most 2 of X between Y and Z`
@@ -263,7 +263,7 @@ impl Situation {
 pub struct SkillCalls {
     /// Name of the set.
     pub set: Name,
-    /// Level of the rules that the machine keeps, if written.
+    /// Level of the rules that the machine obeys, if written.
     pub level: Option<Name>,
     /// Skills, each with the condition under which it is called.
     pub calls: Vec<Argument>,

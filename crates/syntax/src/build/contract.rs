@@ -22,8 +22,8 @@ impl Builder {
                 Rule::type_decl => items.push(ContractItem::Type(self.type_decl(item))),
                 Rule::const_decl => items.push(ContractItem::Const(self.const_decl(item))),
                 _ => {
-                    // In `always a or`, the formula before the `or` is not the one that the author
-                    // meant.
+                    // In `always a or`, the formula before the `or` is complete, but it is not the
+                    // one that the author meant. Therefore it is removed.
                     if begins_with_operator(item.as_str())
                         && matches!(items.last(), Some(ContractItem::Formula { .. }))
                     {

@@ -12,6 +12,7 @@ use pest::iterators::Pair;
 impl Builder {
     pub(super) fn domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
         // Expressions in a type are separate trees, even if an expression contains the type.
+        // Therefore the depth is counted from 0.
         let level = std::mem::take(&mut self.level);
         let domain = self.domain_part(pair);
         self.level = level;
@@ -178,15 +179,7 @@ impl Builder {
     /// long conjunctions and sums shallow.
     fn joined(&mut self, ops: &[Infix], mut operands: Vec<PlacedExpr>) -> PlacedExpr {
         if let Infix::Binary(op) = ops[0]
-            && matches!(
-                op,
-                BinaryOp::And
-                    | BinaryOp::Or
-                    | BinaryOp::Xor
-                    | BinaryOp::Iff
-                    | BinaryOp::Add
-                    | BinaryOp::Mul
-            )
+            && op.is_associative()
             && ops.iter().all(|o| *o == ops[0])
         {
             return balanced(op, operands);
@@ -214,8 +207,8 @@ impl Builder {
         PlacedExpr { expr, place }
     }
 
-    /// Rejects chains of more than [`MAX_CHAIN`] operands, which would become deep trees. Only for
-    /// operators whose chains cannot be balanced.
+    /// Rejects chains of more than [`MAX_CHAIN`] operands, which would become deep trees. Used only
+    /// for operators whose chains cannot be balanced.
     pub(super) fn limit(&mut self, operands: &mut Vec<PlacedExpr>) {
         if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
@@ -302,8 +295,8 @@ impl Builder {
         let mut links: Vec<PlacedExpr> = Vec::new();
         let mut left = first;
         while let Some(op) = c.take(Rule::compare_op) {
-            // The middle operand is compared twice, so it is copied; nested copies would grow
-            // without bound.
+            // The middle operand is compared twice, so it is copied. If chains nest, the number of
+            // copies would grow exponentially.
             if !links.is_empty() && !small_enough_for_the_middle(&left.expr) {
                 self.findings.push(
                     Diagnostic::error(
@@ -476,8 +469,8 @@ pub(super) fn make(kind: ExprKind, span: Span) -> Expr {
     Expr { kind, span }
 }
 
-/// An expression, and its place including the brackets around it, which an expression that contains
-/// it also covers.
+/// An expression with its place. The place includes the brackets around the expression, because an
+/// enclosing expression covers them, too.
 #[derive(Clone)]
 pub(super) struct PlacedExpr {
     pub expr: Expr,
@@ -557,6 +550,7 @@ pub(super) fn binary_op(text: &str) -> BinaryOp {
         "*" => BinaryOp::Mul,
         "/" => BinaryOp::Div,
         "mod" => BinaryOp::Mod,
-        _ => BinaryOp::Eq,
+        "=" | "==" => BinaryOp::Eq,
+        other => unreachable!("the grammar has no operator `{other}`"),
     }
 }

@@ -105,7 +105,7 @@ impl Builder {
         }
     }
 
-    /// Reports a second `word` in a component if it was already given.
+    /// Reports a second `word` in a component. `given` is whether the component already has one.
     fn report_second(&mut self, given: bool, word: &str, item: &Pair<'_, Rule>) {
         if given {
             let message = format!("`{word}` appears twice");
@@ -150,7 +150,8 @@ impl Builder {
     fn binding(&mut self, item: Pair<'_, Rule>) -> Binding {
         let mut c = Children::of(item);
         let name = self.name(&c.next());
-        // If the index is too large, which was reported, use 0, since every array has this element.
+        // If the index is too large, which was reported, use 0, because every array has this
+        // element.
         let index = c.take(Rule::integer).map(|i| self.integer(&i).unwrap_or(0));
         let member = c.take(Rule::path).map(|p| self.name(&p));
         Binding {

@@ -25,7 +25,7 @@ pub(super) struct Builder {
     pub tree: File,
     pub findings: Vec<Diagnostic>,
     file: FileId,
-    /// Length of the file, to which places are limited, since a mended copy can be longer.
+    /// Length of the file. Places are limited to it, because a mended copy can be longer.
     length: usize,
     /// Number of expressions that contain the one being built.
     level: usize,
@@ -311,7 +311,7 @@ impl Builder {
     }
 }
 
-/// Returns whether a rule is a keyword that has no meaning for the tree.
+/// Returns whether a rule is a keyword that the tree does not need.
 fn is_keyword(rule: Rule) -> bool {
     matches!(
         rule,

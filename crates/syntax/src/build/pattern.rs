@@ -37,7 +37,7 @@ impl Builder {
     }
 
     /// Builds `always`, `eventually` and `never`, which extend as far to the right as possible.
-    /// With a bound or a scope they are patterns; `never` always is.
+    /// `never` is always a pattern; the other two are patterns if they have a bound or a scope.
     pub(super) fn wide(&mut self, rule: Rule, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
@@ -108,9 +108,9 @@ pub(super) fn until_op(word: &str) -> UntilOp {
     }
 }
 
-/// Builds `until` so that `p -> a until b` means `p -> (a until b)`, as is usual, although the
-/// grammar parses `until` as the loosest operator. `place` is the place of the left side including
-/// its brackets, since a bracketed expression must not be split.
+/// Builds `until` so that `p -> a until b` means `p -> (a until b)`, as is usual. The grammar
+/// parses `until` as the loosest operator, so the left side has to be split. `place` is the place
+/// of the left side including its brackets, because a bracketed expression must not be split.
 fn until((left, place): (Expr, Span), op: UntilOp, right: Expr, whole: Span) -> Expr {
     match left.kind {
         ExprKind::Binary(BinaryOp::Implies, a, b) if left.span == place => {

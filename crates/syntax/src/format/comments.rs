@@ -17,14 +17,14 @@ enum Kind {
 pub(super) struct Comment {
     /// Text without trailing blanks, with `\n` between its lines.
     pub text: String,
-    /// Offset of its first byte.
+    /// Offset of the comment's first byte.
     pub start: usize,
     kind: Kind,
-    /// Whether only blanks precede it on its line.
+    /// Whether only blanks precede the comment on its line.
     pub own_line: bool,
-    /// Whether an empty line precedes it.
+    /// Whether an empty line precedes the comment.
     pub blank_before: bool,
-    /// Whether only blanks follow it on its line.
+    /// Whether only blanks follow the comment on its line.
     pub newline_after: bool,
 }
 
@@ -34,7 +34,7 @@ impl Comment {
         self.kind != Kind::Block
     }
 
-    /// Returns whether it is a doc comment `///`, which belongs to the next item.
+    /// Returns whether the comment is a doc comment `///`, which belongs to the next item.
     pub fn doc(&self) -> bool {
         self.kind == Kind::Doc
     }
@@ -43,11 +43,11 @@ impl Comment {
 /// A word, number, string or symbol.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Token {
-    /// Offset of its first byte.
+    /// Offset of the token's first byte.
     pub start: usize,
-    /// Offset of its end.
+    /// Offset of the token's end.
     pub end: usize,
-    /// Whether an empty line precedes it.
+    /// Whether an empty line precedes the token.
     pub blank_before: bool,
 }
 
@@ -121,8 +121,8 @@ pub(super) fn newlines(text: &str) -> usize {
     returns + text.matches('\n').count() - text.matches("\r\n").count()
 }
 
-/// Keywords of operators that can also be written in another way, and the last word of
-/// `within 5 steps`.
+/// Keywords of operators, most of which the formatter may write with another spelling, and the last
+/// word of `within 5 steps`.
 const SPELLINGS: &[&str] = &[
     "always",
     "eventually",

@@ -207,8 +207,8 @@ impl Printer<'_> {
         self.nest = 0;
     }
 
-    /// Returns whether a value is a list or a record after whose opening bracket the author ended
-    /// the line.
+    /// Returns whether a value is a list or a record and the author ended the line after its
+    /// opening bracket.
     pub(super) fn opens_wide(&self, e: &Expr) -> bool {
         let open = Span {
             end: e.span.start,

@@ -1,9 +1,9 @@
 //! Prints expressions, formulas and types.
 //!
-//! Brackets are printed where the grammar needs them for the same tree, and where mixed operators
-//! are easily misread: around `and` within `or`, around the operand of `not` and `always` if it has
-//! operators, and around an `if` within an `if`. Chains that the builder balanced (`a and b and c`)
-//! or expanded (`a < b < c`) are reassembled before printing.
+//! Brackets are printed where the grammar needs them to produce the same tree, and where mixed
+//! operators are easily misread: around `and` within `or`, around the operand of `not` and `always`
+//! if it has operators, and around an `if` within an `if`. Chains that the builder balanced
+//! (`a and b and c`) or expanded (`a < b < c`) are reassembled before printing.
 
 use super::super::ast::{
     BinaryOp, Domain, DomainKind, Expr, ExprKind, Pattern, PatternKind, Quantifier, Scope,
@@ -13,11 +13,11 @@ use super::parts::{Parts, binding, parts, wide};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// Binding strength above that of every expression: an operand that must have it is always
-/// bracketed.
+/// Binding strength above that of every expression. An operand that must have it is always put in
+/// brackets.
 const APART: u8 = u8::MAX;
 
-/// Text after an expression that is printed without brackets.
+/// What follows an expression. It decides whether the expression needs brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Continuation {
     /// A closing bracket, a keyword of a statement, or nothing.
@@ -55,8 +55,8 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints the operand of a prefix word, in brackets if it has operators, since it would be
-    /// easily misread without.
+    /// Prints the operand of a prefix word. An operand with operators is put in brackets, because
+    /// it would be easily misread without them.
     fn argument_of_word(&mut self, e: &Expr, behind: Continuation) {
         let brackets = match &e.kind {
             ExprKind::If(..) => true,
@@ -85,7 +85,8 @@ impl Printer<'_> {
                         }
                         let ends = i + 1 == operands.len();
                         let behind = if ends { behind } else { Continuation::Operator };
-                        // Easily misread: `a - -b`, and the end of an `if` among operators.
+                        // Two operands are easily misread without brackets: `-b` in `a - -b`, and
+                        // an `if` among operators, whose end is not visible.
                         let apart = match operand.kind {
                             ExprKind::Neg(_) => whole >= binds::ADDITIVE && i > 0,
                             ExprKind::If(..) => true,
@@ -209,7 +210,8 @@ impl Printer<'_> {
             ExprKind::Within(a, low, high) => {
                 self.operand(a, binds::ADDITIVE, Continuation::Operator);
                 self.put(" in ");
-                // A brace here would begin a set of values.
+                // A brace here would begin a set of values, so a bound that begins with one is put
+                // in brackets.
                 if begins_with_brace(low) {
                     self.operand(low, APART, Continuation::Nothing);
                     self.put("..");
@@ -222,7 +224,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints the expression before an index or a member.
+    /// Prints the expression before an index or a member, in brackets if necessary.
     fn base(&mut self, base: &Expr, paths_apart: bool) {
         let plain = match &base.kind {
             ExprKind::Index(..) | ExprKind::Field(..) | ExprKind::Call(..) | ExprKind::List(_) => {
@@ -400,8 +402,8 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints `0..n-1`. If `unit` is true, a unit follows, which must not become the unit of the
-    /// last number.
+    /// Prints `0..n-1`. If `unit` is true, a unit follows. It must not become the unit of the last
+    /// number.
     fn limits(&mut self, low: &Expr, high: &Expr, unit: bool) {
         self.limit(low, false);
         self.put("..");

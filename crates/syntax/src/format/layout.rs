@@ -20,7 +20,7 @@ pub(super) enum Piece {
     Text(String),
     /// The beginning of an operand at this level.
     Mark { level: usize },
-    /// A possible line end; otherwise a blank or nothing.
+    /// A possible line end. If the line does not end here, a blank is written if `blank` is set.
     Break {
         level: usize,
         indent: usize,
@@ -28,7 +28,7 @@ pub(super) enum Piece {
         forced: bool,
     },
     /// The beginning of an `if ... else if` of `length` pieces. Its arms are all on one line, or
-    /// broken as the author did, or each on a separate line.
+    /// broken where the author broke them, or each on a separate line.
     Ladder { level: usize, length: usize },
     /// A comment within a statement.
     Comment { comment: Comment, indent: usize },
@@ -217,7 +217,7 @@ fn set_row(rows: &mut Vec<usize>, level: usize, row: usize) {
 }
 
 /// Breaks the line before every `else` if the arms do not fit on one line and the author did not
-/// break it before any.
+/// break the line before any `else`.
 fn arms(pieces: &mut [Piece], level: usize, length: usize, room: usize) {
     let behind = pieces[length..]
         .iter()

@@ -2,7 +2,7 @@
 //!
 //! The output is generated from the tree, so it has the same meaning by construction. The comments,
 //! the empty lines between declarations, and the author's line ends are taken from the source text.
-//! To overwrite a file, use the result of [`format_checked`], which verifies this.
+//! To overwrite a file, use [`format_checked`], which verifies that nothing is lost or changed.
 
 mod comments;
 mod contract;
@@ -19,8 +19,8 @@ use super::parser::parse;
 use linewright_core::source::FileId;
 use printer::Printer;
 
-/// Formats a file's tree with the comments of `text`, from which the tree must have been parsed
-/// without findings. Keeps the kind of line ends of `text` and a byte-order mark.
+/// Formats a file's tree with the comments of `text`. The tree must have been parsed from `text`
+/// without findings. Keeps a byte-order mark, and ends lines as `text` does.
 ///
 /// Without a source text (`""`), the output has the doc comments that the tree contains, no other
 /// comments, and an empty line between contracts.
@@ -86,7 +86,7 @@ pub enum FormatError {
     /// A comment is missing or in a different order.
     #[error("a comment would be lost")]
     Comments,
-    /// A word is missing that is not in the tree.
+    /// A word that is not in the tree is missing.
     #[error("a word would be lost")]
     Words,
     /// Formatting the result again changes it.

@@ -15,7 +15,7 @@ pub(super) enum Parts<'e> {
 }
 
 /// Collects the operands of a chain that the builder balanced. Returns whether the tree is the one
-/// that the builder would make of `count` operands.
+/// that the builder would make from `count` operands.
 fn halved<'e>(op: BinaryOp, e: &'e Expr, count: usize, operands: &mut Vec<&'e Expr>) -> bool {
     if count == 1 {
         operands.push(e);
@@ -40,7 +40,8 @@ fn sides(e: &Expr, op: BinaryOp) -> Option<(&Expr, &Expr)> {
     }
 }
 
-/// Returns the maximum number of operands in a chain of this operator.
+/// Returns the number of operands if all nested uses of the operator belong to one chain, which is
+/// the maximum.
 fn leaves(op: BinaryOp, e: &Expr) -> usize {
     sides(e, op).map_or(1, |(a, b)| leaves(op, a) + leaves(op, b))
 }
@@ -85,7 +86,7 @@ fn compares(op: BinaryOp) -> bool {
     matches!(op, Eq | Ne | Lt | Le | Gt | Ge)
 }
 
-/// Returns the operands and operators of a chain of these operators that groups to the left.
+/// Splits a chain that groups to the left into its operands and operators, which are among `ops`.
 fn to_the_left<'e>(e: &'e Expr, ops: &[BinaryOp]) -> (Vec<&'e Expr>, Vec<BinaryOp>) {
     let (mut operands, mut between) = (Vec::new(), Vec::new());
     let mut left = e;
@@ -126,7 +127,7 @@ fn arithmetic<'e>(e: &'e Expr, ops: &[BinaryOp], whole: u8) -> Parts<'e> {
 }
 
 pub(super) fn parts(e: &Expr) -> Parts<'_> {
-    use BinaryOp::{Add, And, Div, Iff, Implies, Mod, Mul, Or, Sub, Xor};
+    use BinaryOp::{Add, And, Div, Eq, Ge, Gt, Iff, Implies, Le, Lt, Mod, Mul, Ne, Or, Sub, Xor};
     let (op, a, b) = match &e.kind {
         ExprKind::Binary(op, a, b) => (*op, a, b),
         ExprKind::Since(..) => {
@@ -183,7 +184,7 @@ pub(super) fn parts(e: &Expr) -> Parts<'_> {
         },
         Add | Sub => arithmetic(e, &[Add, Sub], binds::ADDITIVE),
         Mul | Div | Mod => arithmetic(e, &[Mul, Div, Mod], binds::PRODUCT),
-        _ => Parts::Chain(
+        Eq | Ne | Lt | Le | Gt | Ge => Parts::Chain(
             vec![a, b],
             vec![op.sign()],
             binds::COMPARISON,

@@ -5,7 +5,7 @@ use super::comments::{Comment, Cut, Token, cut, newlines};
 use super::layout::{Piece, Writer, flat, render};
 use linewright_core::source::Span;
 
-/// Text before a statement.
+/// What precedes a statement.
 #[derive(Clone, Copy, PartialEq)]
 enum After {
     /// A line end.
@@ -119,8 +119,8 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// Prints a doc comment, given without slashes. Only if there is no source text; otherwise it
-    /// is printed as a comment of the source.
+    /// Prints a doc comment, given without slashes, if there is no source text. With a source text,
+    /// the doc comment is printed as one of the comments of the source.
     pub fn doc(&mut self, doc: &str) {
         if self.bare() && !doc.is_empty() {
             for line in doc.split('\n') {
@@ -273,8 +273,8 @@ impl<'t> Printer<'t> {
         self.put(&name.text);
     }
 
-    /// Prints a possible line end: a line end if `forced`, otherwise a blank or nothing if the line
-    /// does not have to end.
+    /// Prints a possible line end. The line ends if `forced` is set or if it has to; otherwise a
+    /// blank is printed if `blank` is set.
     pub fn gap(&mut self, level: usize, blank: bool, forced: bool) {
         self.pieces.push(Piece::Break {
             level,
@@ -286,7 +286,7 @@ impl<'t> Printer<'t> {
     }
 
     /// Prints pieces with a new level of breaks, which `print` receives. Additional indentation
-    /// ends with the level.
+    /// that `print` sets ends with the level.
     pub fn level(&mut self, print: impl FnOnce(&mut Self, usize)) {
         let (level, nest) = (self.level, self.nest);
         self.pieces.push(Piece::Mark { level });

@@ -1,8 +1,8 @@
 //! Prints skills and their orders.
 //!
 //! Each skill is on a separate line without a comma; a component with only one skill can be on one
-//! line. Regular expressions have brackets where the grammar needs them, and around `A & B` among
-//! other operands, since its extent would be easily misread.
+//! line. Regular expressions have brackets where the grammar needs them. `A & B` among other
+//! operands has brackets, too, because it would be easily misread without them.
 
 use super::super::ast::{
     Deletion, Event, Name, Order, OrderRule, Regex, RegexKind, Situation, SkillCalls,
@@ -16,9 +16,9 @@ use linewright_core::source::Span;
 enum RegexContext {
     /// Within brackets.
     Brackets,
-    /// `|`
+    /// An alternative of `|`.
     Either,
-    /// A concatenation.
+    /// A part of a concatenation.
     Concat,
     /// Before `*` or another repetition.
     Repeat,

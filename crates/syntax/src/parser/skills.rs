@@ -20,8 +20,8 @@ const FOLLOWING: [&str; 11] = [
     "component",
 ];
 
-/// Returns the finding for a piece of a component that is not a skill, or for a skill call in a
-/// machine that has no name.
+/// Returns the finding for text in a component that is not a skill, or for a call without a skill's
+/// name in the skill calls of a machine. Returns `None` for other contexts.
 pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
     if !matches!(context, Rule::bad_skill | Rule::bad_skill_call) {
         return None;
@@ -50,8 +50,8 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     ))
 }
 
-/// Returns help for a word that cannot follow events or operands of a regular expression, or that
-/// cannot be a name. `before` and `after` are the text around the word.
+/// Returns help for a word that cannot follow an event or an operand of a regular expression, or
+/// that cannot be a name. `before` and `after` are the text around the word.
 pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule]) -> Option<String> {
     if expected.contains(&Rule::k_order)
         && let Some(near) = nearest(word, ["component", "order"].into_iter())
@@ -100,8 +100,9 @@ fn no_level(word: &str) -> String {
     format!("expected a level, such as `at reasonable`; `{word}` is a keyword")
 }
 
-/// Returns whether a word was meant as a name, given the text after it: a symbol, or a word that
-/// can follow a name. In `order home never Left`, by contrast, a symbol is missing before `never`.
+/// Returns whether a word was meant as a name. This is the case if a symbol follows, or a word that
+/// can follow a name. In `order home never Left`, by contrast, a symbol is missing before `never`,
+/// so `never` was not meant as a name.
 fn is_meant_as_name(after: &str) -> bool {
     let next = word_at(after_comments(after));
     !next.starts_with(|c: char| c.is_alphanumeric() || c == '_')

@@ -1,4 +1,4 @@
-//! Removal of places from skills and their orders.
+//! Removes places from the trees of skills and their orders.
 
 use super::super::ast::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, SkillCalls, SkillItem, SkillSet,

@@ -125,7 +125,7 @@ impl FileWatcher {
 
     /// Replaces the files that are watched besides those that the paths name. Each file comes with
     /// the text that a check has read, or `None` if the file did not exist, so that the next scan
-    /// reports changes during the check. Known states are kept.
+    /// also reports changes made during the check. States that are already known are kept.
     pub(super) fn set_imports(&mut self, imports: &[(PathBuf, Option<&str>)]) {
         let (_, named) = files::watched_paths(&self.paths, &self.standard);
         let named: BTreeSet<PathBuf> = named.iter().map(plain).collect();
@@ -171,7 +171,7 @@ impl FileWatcher {
         changes
     }
 
-    /// Waits for changes; returns `None` as soon as `ended` holds.
+    /// Waits for changes; returns `None` as soon as `ended` returns true.
     pub(super) fn wait(&mut self, ended: impl Fn() -> bool) -> Option<Vec<Change>> {
         let mut last_scan = Instant::now();
         // The first scan finds changes made during the check.
@@ -206,8 +206,8 @@ impl FileWatcher {
 }
 
 impl EventSource {
-    /// Waits one tick for an event. If there is one, returns true after the events have ended, or
-    /// after [`MAX_WAIT`].
+    /// Waits one tick for an event. If there is none, returns false. Otherwise waits until no more
+    /// events come, or for [`MAX_WAIT`], and returns true.
     fn next(&mut self) -> Result<bool, SourceEnded> {
         match self.receiver.recv_timeout(TICK) {
             Ok(event) => self.process(event),
@@ -223,7 +223,7 @@ impl EventSource {
         Ok(true)
     }
 
-    /// Forgets a folder that was removed, so that it is watched again when it returns.
+    /// Forgets a folder that was removed or renamed, so that it is watched again when it returns.
     fn process(&mut self, event: notify::Result<Event>) {
         if let Ok(event) = event
             && matches!(event.kind, EventKind::Remove(_) | EventKind::Modify(_))
@@ -248,7 +248,7 @@ impl EventSource {
             wanted.insert(nearest_existing(file.parent()), RecursiveMode::NonRecursive);
         }
         for folder in folders {
-            // Its parent is also watched, since the folder can disappear and return.
+            // The folder's parent is also watched, since the folder can disappear and return.
             wanted
                 .entry(nearest_existing(folder.parent()))
                 .or_insert(RecursiveMode::NonRecursive);

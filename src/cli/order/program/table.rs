@@ -33,9 +33,9 @@ enum Step {
 /// The step of the previous row.
 struct Last {
     step: Step,
-    /// Skills called so far.
+    /// Skills of this step that were read so far.
     calls: u64,
-    /// Index of its call; `None` if none of its rows could be read so far.
+    /// Index of the step's call; `None` if none of the step's rows could be read so far.
     place: Option<usize>,
 }
 
@@ -89,7 +89,7 @@ impl Program {
                 return;
             };
             let start = row.position().map_or(0, |p| p.byte() as usize);
-            // The position is after the previous row: blank lines come before this one.
+            // The reported position is directly after the previous row, so blank lines are skipped.
             let start = start + blank(&text[start.min(text.len())..]);
             let line = text[start.min(text.len())..].split(['\n', '\r']).next();
             let length = line.unwrap_or_default().trim_end().len();
@@ -263,7 +263,7 @@ impl Reader<'_> {
 
     /// Reads a row of a table without a header: its skills are called at once.
     fn without_header(&mut self, row: &csv::StringRecord, span: Span, first: bool) {
-        // No skill begins with a digit.
+        // No name of a skill begins with a digit.
         let is_number = |cell: &&str| cell.starts_with(|c: char| c.is_ascii_digit());
         let cells = || row.iter().filter(|c| !c.is_empty());
         let header = format!("`step{}skill`", self.delimiter);

@@ -115,7 +115,7 @@ impl Parser<'_> {
         })
     }
 
-    /// Parses operators of at least the precedence `least`, and their operands.
+    /// Parses operators whose precedence is at least `least`, and their operands.
     pub fn operators(&mut self, least: u8) -> Parsed<Node> {
         let start = self.start();
         let mut left = self.unary()?;

@@ -306,7 +306,7 @@ impl<'t> Parser<'t> {
         found
     }
 
-    /// Skips the rest of an invalid declaration that begins at the token `from`.
+    /// Skips the rest of an invalid declaration whose first token has the index `from`.
     fn resume(&mut self, from: usize) {
         if self.at == from {
             self.next();
@@ -316,7 +316,7 @@ impl<'t> Parser<'t> {
                 Word::End => return,
                 Word::Sign(";") => {
                     self.next();
-                    // Skip to the end of braces too, including the formulas in them.
+                    // A `;` within braces, or before a closing brace, does not end the declaration.
                     if !self.is("}") && !self.inside(from) {
                         return;
                     }
@@ -361,7 +361,7 @@ impl<'t> Parser<'t> {
         self.expect(";", "declarations end with `;`")
     }
 
-    /// Increments the nesting depth; reports one that is too large.
+    /// Increments the nesting depth. If it becomes too large, reports this and returns an error.
     pub fn deeper(&mut self) -> Parsed<()> {
         self.depth += 1;
         if self.depth > MAX_NESTING {

@@ -1,7 +1,7 @@
 //! Parses regular expressions over steps.
 
 use super::{Parsed, Parser};
-use crate::spectra::syntax::{Node, Regexp, RegexpShape, Shape};
+use crate::spectra::syntax::{Node, Regexp, RegexpOp, RegexpShape, Shape};
 
 impl Parser<'_> {
     /// Parses a regular expression. As in the language's grammar, sequences, `&` and `|` have equal
@@ -9,29 +9,28 @@ impl Parser<'_> {
     pub fn regexp(&mut self) -> Parsed<Regexp> {
         self.deeper()?;
         let start = self.start();
-        let mut left = self.repeated()?;
-        let mut links = 0;
+        let first = self.repeated()?;
+        let mut others = Vec::new();
         loop {
-            let make = if self.take("&") {
-                RegexpShape::And
+            let op = if self.take("&") {
+                RegexpOp::And
             } else if self.take("|") {
-                RegexpShape::Or
+                RegexpOp::Or
             } else if self.begins_regexp() {
-                RegexpShape::Sequence
+                RegexpOp::Then
             } else {
                 break;
             };
-            // The chain grows to the left; its length counts as nesting.
-            self.deeper()?;
-            links += 1;
-            let right = self.repeated()?;
-            left = Regexp {
-                shape: make(Box::new(left), Box::new(right)),
-                span: self.since(start),
-            };
+            others.push((op, self.repeated()?));
         }
-        self.depth -= 1 + links;
-        Ok(left)
+        self.depth -= 1;
+        if others.is_empty() {
+            return Ok(first);
+        }
+        Ok(Regexp {
+            shape: RegexpShape::Chain(Box::new(first), others),
+            span: self.since(start),
+        })
     }
 
     fn begins_regexp(&self) -> bool {
@@ -44,17 +43,17 @@ impl Parser<'_> {
 
     fn repeated(&mut self) -> Parsed<Regexp> {
         let start = self.start();
-        let inner = if self.take("~") {
-            self.deeper()?;
-            let inner = self.step()?;
-            self.depth -= 1;
-            Regexp {
+        let mut complemented = false;
+        while self.take("~") {
+            complemented = !complemented;
+        }
+        let mut inner = self.step()?;
+        if complemented {
+            inner = Regexp {
                 shape: RegexpShape::Complement(Box::new(inner)),
                 span: self.since(start),
-            }
-        } else {
-            self.step()?
-        };
+            };
+        }
         let number = |value| {
             Box::new(Node {
                 shape: Shape::Number(value),

@@ -22,7 +22,8 @@ pub(super) enum Word {
 /// A token kind and its byte range.
 pub(super) type Token = (Word, Range<usize>);
 
-/// Operators and brackets, each before its own prefixes.
+/// Operators and brackets. A sign comes before any other sign that is a prefix of it, because the
+/// first match is taken.
 const SIGNS: [&str; 30] = [
     "<->", "|=>", ":=", "..", "->", "!=", "<=", ">=", "<", ">", "=", "(", ")", "{", "}", "[", "]",
     ",", ";", ":", ".", "&", "|", "!", "+", "-", "*", "/", "%", "~",
@@ -81,7 +82,7 @@ fn run(text: &str, of: impl Fn(u8) -> bool) -> usize {
     end.unwrap_or(text.len())
 }
 
-/// The text in one line, without comments.
+/// The text on one line, without comments.
 pub(in crate::spectra) fn one_line(text: &str) -> String {
     let mut line = String::new();
     let mut last = 0;

@@ -9,8 +9,8 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 impl<'f> Expander<'f, '_> {
-    /// Evaluates the body for each combination of the ranges' elements. The recursion depth is the
-    /// number of ranges.
+    /// Evaluates the body once for each combination of elements, one from each range. The recursion
+    /// depth is the number of ranges.
     pub(super) fn iterate(
         &mut self,
         ranges: &'f [Tree],

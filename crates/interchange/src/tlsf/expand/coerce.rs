@@ -1,4 +1,4 @@
-//! Converts values to the type that their context needs; reports other types.
+//! Converts a value to the type that its context needs. Reports a value that has another type.
 
 use super::super::ast::Tree;
 use super::super::ltl::FormulaId;

@@ -63,7 +63,7 @@ impl Expander<'_, '_> {
         }
     }
 
-    /// The formula that a bus has one of the codes.
+    /// The formula that is true if a bus has one of the codes.
     pub fn has_code(
         &mut self,
         bits: &[VarId],

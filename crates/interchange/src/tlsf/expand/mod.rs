@@ -226,8 +226,8 @@ impl<'f, 'r> Expander<'f, 'r> {
                 let mut parts = Vec::new();
                 for part in list {
                     let f = self.condition(part, scope, site)?;
-                    // Stop at the first decisive operand, as guards do: later operands may index
-                    // outside a bus.
+                    // Stop at the first operand that decides the result. It can be a guard that
+                    // prevents an index outside a bus in a later operand.
                     let decided = self.formulas.truth(f) == Some(!and);
                     parts.push(f);
                     if decided {

@@ -19,7 +19,7 @@ impl<'f> Expander<'f, '_> {
         match ScopeBinding::find(scope, name) {
             Some(value) => Ok(value),
             None => match self.resolve(name, tree, site)? {
-                // A copy of the signal's node with the location of this use.
+                // Copy the signal's node, so that the copy has the location of this use.
                 Value::Formula(f) if matches!(self.formulas.op(f), Op::Atom(_)) => {
                     let op = self.formulas.op(f).clone();
                     let place = Place::new(&tree.range, site);
@@ -151,7 +151,7 @@ impl<'f> Expander<'f, '_> {
         }
     }
 
-    /// The value of the first case that applies.
+    /// The value of the first case whose guard applies.
     pub(super) fn cases(
         &mut self,
         definition: &'f Definition,

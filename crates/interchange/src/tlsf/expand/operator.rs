@@ -112,8 +112,8 @@ impl<'f> Expander<'f, '_> {
         }
         let and = op != Unary::Finally;
         if low > high {
-            // An empty range: `F` is false by the format's definition, but its tool, syfco,
-            // answers `true` for `F` and `G`.
+            // An empty range: by the format's definition, `F` is false and `G` is true. syfco, the
+            // format's tool, answers `true` for both.
             if !and {
                 self.note(
                     codes::NOTATION,

@@ -31,8 +31,8 @@ impl<'f> Expander<'f, '_> {
         }
     }
 
-    /// Whether a formula matches a pattern; adds the pattern's names to `bound`. The recursion is
-    /// as deep as the pattern.
+    /// Whether a formula matches a pattern. Adds what the names in the pattern stand for to
+    /// `bound`. The recursion is as deep as the pattern.
     pub(super) fn matches(
         &mut self,
         f: FormulaId,
@@ -61,8 +61,8 @@ impl<'f> Expander<'f, '_> {
                 let Some(more) = parts.len().checked_sub(patterns.len()) else {
                     return false;
                 };
-                // The operators are left-associative, so the first pattern matches the surplus
-                // parts.
+                // The operators are left-associative, so the first pattern matches all parts that
+                // the other patterns leave over.
                 let (head, rest) = parts.split_at(more + 1);
                 let place = self.formulas.place(f);
                 let head = if and {

@@ -13,7 +13,7 @@ pub(in super::super) struct Site {
     pub with: String,
 }
 
-/// The finding with labels for at most 4 enclosing sites, innermost first.
+/// Adds labels to a finding for at most 4 enclosing sites, innermost first.
 pub(in super::super) fn located(
     mut finding: Diagnostic,
     site: u32,
@@ -31,7 +31,7 @@ pub(in super::super) fn located(
         } else {
             format!("for {}", found.with)
         };
-        // Report each location once, since recursive calls have the same one.
+        // Report each location once, because recursive calls all have the same one.
         let label = (report.span(&found.range), text);
         if finding.span != Some(label.0) && !finding.labels.contains(&label) {
             finding.labels.push(label);

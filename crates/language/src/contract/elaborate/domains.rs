@@ -18,8 +18,8 @@ const MAX_DOMAIN: i64 = 1 << 20;
 const MAX_LEAVES: usize = 1 << 16;
 
 impl<'a> Elaborator<'a> {
-    /// Elaborates a scalar domain without a unit or an array of it; returns the domain and the
-    /// length of the array.
+    /// Elaborates a scalar domain without a unit, or an array of such scalars. Returns the domain
+    /// and, for an array, its length.
     pub fn domain(&mut self, domain: &'a ast::Domain) -> Option<(Domain, Option<usize>)> {
         let (base, unit, length) = self.measured_domain(domain)?;
         if let Some(unit) = unit {
@@ -37,8 +37,8 @@ impl<'a> Elaborator<'a> {
         Some((base, length))
     }
 
-    /// Elaborates a scalar domain or an array of it; returns the domain, its unit and the length of
-    /// the array.
+    /// Elaborates a scalar domain, or an array of scalars. Returns the domain, its unit if there is
+    /// one, and, for an array, its length.
     pub fn measured_domain(
         &mut self,
         domain: &'a ast::Domain,
@@ -156,7 +156,7 @@ impl<'a> Elaborator<'a> {
         high: &'a ast::Expr,
         written: Option<&str>,
     ) -> Option<Shape> {
-        // If the ends have two units, the finer one is used.
+        // If the two ends have different units, the finer unit is used.
         let named = |name: Option<&str>| name.and_then(Unit::named);
         let unit = match (named(written), named(unit_in(low)), named(unit_in(high))) {
             (Some(unit), ..) | (None, Some(unit), None) | (None, None, Some(unit)) => Some(unit),
@@ -238,7 +238,7 @@ impl<'a> Elaborator<'a> {
         self.bounded(span, Shape::Record(members))
     }
 
-    /// Rejects a type with too many leaves, before a larger type is built from it.
+    /// Rejects a type with too many leaves before a larger type is built from it.
     fn bounded(&mut self, span: Span, shape: Shape) -> Option<Shape> {
         if shape.leaf_count() > MAX_LEAVES {
             self.findings.error_with(

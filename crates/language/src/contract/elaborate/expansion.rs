@@ -16,7 +16,8 @@ pub(super) const MAX_FORMULA_DEPTH: usize = 600;
 /// Maximum cost of expanding one contract or machine: nodes created, copied or visited.
 const MAX_WORK: usize = 1_000_000;
 
-/// Cost of the expansion of one contract or machine so far, which is limited.
+/// Tracks the cost of expanding one contract or machine, and reports the first limit that is
+/// exceeded.
 #[derive(Default)]
 pub(in crate::contract) struct Expansion {
     /// Names of the defines and counters that are being expanded, innermost last.
@@ -34,7 +35,8 @@ pub(in crate::contract) struct Expansion {
 }
 
 impl Expansion {
-    /// Adds to the cost; returns `None` and reports once if the limit is exceeded.
+    /// Adds `amount` to the cost. Returns `None` if the limit is exceeded, which is reported only
+    /// once.
     pub fn spend(&mut self, span: Span, amount: usize, findings: &mut Findings) -> Option<()> {
         self.work = self.work.saturating_add(amount);
         if self.work > MAX_WORK {
@@ -44,7 +46,8 @@ impl Expansion {
         Some(())
     }
 
-    /// Adds instances of a quantifier; returns `None` and reports once if there are too many.
+    /// Adds instances of a quantifier. Returns `None` if there are too many, which is reported only
+    /// once.
     pub(super) fn add_instances(
         &mut self,
         span: Span,
@@ -59,8 +62,8 @@ impl Expansion {
         Some(())
     }
 
-    /// Enters an expression, until [`Expansion::leave`]; returns `None` and reports once if the
-    /// nesting is too deep.
+    /// Enters an expression; [`Expansion::leave`] leaves it. Returns `None` if the nesting is too
+    /// deep, which is reported only once.
     pub(super) fn enter(&mut self, span: Span, findings: &mut Findings) -> Option<()> {
         if self.nested == MAX_NESTING {
             self.too_large(span, findings);
@@ -73,7 +76,7 @@ impl Expansion {
         Some(())
     }
 
-    /// Leaves an expression.
+    /// Leaves the innermost expression that was entered.
     pub(super) fn leave(&mut self) {
         self.nested -= 1;
     }

@@ -9,7 +9,7 @@ use linewright_core::source::Span;
 pub(in crate::contract) struct Findings {
     /// Findings reported here.
     pub list: Vec<Diagnostic>,
-    /// Whether the text depends on a declaration with an error, which was reported elsewhere.
+    /// Whether the elaborated text depends on a declaration whose error was reported elsewhere.
     pub tainted: bool,
 }
 

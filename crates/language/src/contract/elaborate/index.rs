@@ -1,4 +1,4 @@
-//! Array elements by index. The index can be constant, or depend on variables.
+//! Selection of array elements by index. The index can be constant, or depend on variables.
 
 use super::Elaborator;
 use crate::contract::shape::Entry;
@@ -8,13 +8,13 @@ use linewright_core::gr1::{BinaryOp, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 
-/// Maximum number of elements that are selected by a chain of comparisons. More are selected by
-/// bisection, which keeps formulas shallow.
+/// Maximum length of an array whose element is selected by a chain of comparisons. In longer arrays
+/// it is selected by bisection, because the formula is then less deep.
 const MAX_LINEAR: usize = 16;
 
-/// Meaning of an indexed expression.
+/// What the expression before an index refers to.
 enum Referent {
-    /// A variable or a part of one, not expanded to a value yet.
+    /// A variable, or a part of a variable, that is not yet expanded to a value.
     Variable(Entry),
     /// Any other value.
     Value(Value),
@@ -149,8 +149,8 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Selects an element by index, leaf by leaf; the first of `elements` has the index `low`. `None`
-/// if the shapes of the elements differ.
+/// Selects an element by index, leaf by leaf. The first of `elements` has the index `low`. Returns
+/// `None` if the elements have different shapes.
 fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     match elements.first()? {
         Value::Scalar(_, ty) => {
@@ -209,7 +209,7 @@ fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
         })
 }
 
-/// Like [`chosen`], by bisection.
+/// Selects the same term as [`chosen`], but by bisection.
 fn bisected(index: &Term, low: i64, terms: &[Term]) -> Term {
     if let [one] = terms {
         return one.clone();

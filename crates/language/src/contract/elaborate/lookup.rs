@@ -20,7 +20,7 @@ impl Elaborator<'_> {
             );
             return None;
         }
-        // 95 % is exactly rounded as 95 / 100, but not as 95 times the number nearest to 0.01.
+        // 95 % is computed as 95 / 100, because 95 * 0.01 would be rounded twice.
         let base = match dimension {
             Dimension::Share => number / (1.0 / factor).round(),
             _ => number * factor,
@@ -106,11 +106,11 @@ impl Elaborator<'_> {
         None
     }
 
-    /// Resolves a label. Returns `None` if the name is not a label, and `Some(None)` if it is the
-    /// label of another type or of several types, which is reported.
+    /// Resolves a label. Returns `None` if the name is not a label. Reports an error and returns
+    /// `Some(None)` if it is a label of several types, or not of the expected type.
     #[expect(
         clippy::option_option,
-        reason = "the outer option means not a label, the inner one a reported error"
+        reason = "the outer `None` means that the name is no label, the inner one that an error was reported"
     )]
     pub(super) fn label(
         &mut self,
@@ -191,10 +191,10 @@ impl Elaborator<'_> {
         );
     }
 
-    /// Reports a name that is not declared, with similar names.
+    /// Reports a name that is not declared, and suggests a similar one.
     pub(super) fn unknown(&mut self, span: Span, name: &str, expected: Option<&Type>) {
-        // Nested defines can lead to the same name a million times, and the search for similar
-        // names is slow.
+        // A name that was just reported is skipped: nested defines can expand to the same unknown
+        // name a million times, and the search for similar names is slow.
         let mut latest = self.findings.list.iter().rev().take(64);
         if latest.any(|f| f.code == codes::NAME_UNKNOWN && f.span == Some(span)) {
             return;

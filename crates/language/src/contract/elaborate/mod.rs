@@ -2,8 +2,8 @@
 //!
 //! A label has no type of its own: `turn` in `command = turn` is looked up in the type of
 //! `command`. A name is looked up in this order: quantified names, parameters and constants,
-//! `define`s, counters, variables, labels of the expected type, labels of the only enumeration in
-//! scope that has the name.
+//! `define`s, counters, variables, labels of the expected type, and labels of other enumerations in
+//! scope if only one of them has the name.
 
 mod domains;
 mod expansion;
@@ -45,16 +45,17 @@ pub(super) struct Dialect {
     pub real: bool,
     /// Whether `next` is allowed.
     pub next: bool,
-    /// Enclosing operator over other steps, such as `once`. `next` is not allowed within it.
+    /// The enclosing operator that looks at other steps, such as `once`, if there is one. `next` is
+    /// not allowed within it.
     looking_back: Option<String>,
 }
 
-/// Monitors of earlier steps.
+/// Monitors, which record what happened in earlier steps.
 #[derive(Default)]
 pub(super) struct Memory {
     /// Monitors of the contract; `None` outside of contracts, where past operators are not allowed.
     pub monitors: Option<Monitors>,
-    /// Formula that is being elaborated; it is recorded in the monitors that it needs.
+    /// The formula that is being elaborated. Each monitor records the formulas that need it.
     pub origin: Origin,
 }
 
@@ -67,7 +68,7 @@ pub(super) struct Elaborator<'a> {
     pub variables: VariableTable,
     /// How expressions are interpreted.
     pub dialect: Dialect,
-    /// Monitors of earlier steps.
+    /// Monitors, which record what happened in earlier steps.
     pub memory: Memory,
     /// Findings so far.
     pub findings: Findings,
@@ -114,7 +115,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Elaborates a scalar, and converts it to a type.
+    /// Elaborates a scalar, and converts it to the expected type.
     pub fn scalar(&mut self, e: &'a ast::Expr, expected: &Type) -> Option<Term> {
         match self.value(e, Some(expected), Time::Now)? {
             Value::Scalar(term, found) => {
@@ -384,7 +385,7 @@ impl<'a> Elaborator<'a> {
                 ),
             ),
             None => (
-                format!("{word} appears within a larger formula, which is outside GR(1)"),
+                format!("{word} appears within a larger formula; this is outside GR(1)"),
                 "write it as a separate assumption or guarantee, or look back with `once`, `since` or `previous`".to_owned(),
             ),
         };

@@ -1,14 +1,14 @@
 //! Names in scope: variables, constants, types, defines and counters.
 //!
-//! Quantified names and the parameters of a define are constants that temporarily hide other names
-//! like them.
+//! Quantified names and the parameters of a define are treated as constants. While they are in
+//! scope, they hide other declarations of the same name.
 
 use crate::contract::shape::{Entry, Shape};
 use crate::contract::value::{Type, Value};
 use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names declared at the top level of files. The defines declared there see only these.
+/// Names declared at the top level of files. A define at the top level can use only these names.
 #[derive(Clone, Default)]
 pub(in crate::contract) struct FileNames<'a> {
     /// Constants.
@@ -75,7 +75,7 @@ impl<'a> Names<'a> {
             || self.counters.contains_key(name)
     }
 
-    /// Removes a constant or define that a variable of the same name hides.
+    /// Removes the constant or define with this name, because a variable of the same name hides it.
     pub fn hide(&mut self, name: &str) {
         self.constants.remove(name);
         self.defines.remove(name);
@@ -93,7 +93,8 @@ impl<'a> Names<'a> {
         })
     }
 
-    /// Returns whether the value of an expression consists of names that can only be labels.
+    /// Returns whether the value of an expression can only be a label or an array of labels,
+    /// because its names are not declared.
     pub(super) fn is_label(&self, e: &ast::Expr) -> bool {
         match &e.kind {
             ast::ExprKind::Path(names) => match names.as_slice() {

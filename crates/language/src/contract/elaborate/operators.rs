@@ -36,7 +36,8 @@ impl<'a> Elaborator<'a> {
                     A::Or => BinaryOp::Or,
                     A::Implies => BinaryOp::Implies,
                     A::Iff => BinaryOp::Eq,
-                    _ => BinaryOp::Ne,
+                    A::Xor => BinaryOp::Ne,
+                    other => unreachable!("{other:?} is not among the operators above"),
                 };
                 boolean(op, x, y)
             }
@@ -378,7 +379,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Converts a comparison operator.
+/// Converts a comparison operator of the syntax tree to an operator of terms.
 fn compared(op: ast::BinaryOp) -> BinaryOp {
     match op {
         ast::BinaryOp::Eq => BinaryOp::Eq,

@@ -95,8 +95,8 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// Elaborates a condition on one step that is the operand of `word`, an operator over other
-    /// steps.
+    /// Elaborates an operand of `word`, an operator that looks at other steps. The operand has to
+    /// be a condition on one step.
     pub(in crate::contract) fn state(&mut self, e: &'a ast::Expr, word: &str) -> Option<Expr> {
         let allowed = std::mem::replace(&mut self.dialect.next, false);
         let enclosing = self.dialect.looking_back.replace(word.to_owned());
@@ -107,7 +107,7 @@ impl<'a> Elaborator<'a> {
         self.formula(&term, e.span)
     }
 
-    /// Evaluates a bound in steps; reports one that is out of range.
+    /// Evaluates a bound in steps. Reports a bound that is out of range.
     pub(in crate::contract) fn steps(&mut self, bound: &'a ast::Expr) -> Option<u32> {
         let steps = self.constant_int(bound)?;
         if (1..=MAX_STEPS).contains(&steps) {
@@ -122,8 +122,8 @@ impl<'a> Elaborator<'a> {
         None
     }
 
-    /// Returns the output of a monitor in the current or the next step. Reports an operator that is
-    /// used where no monitors are available.
+    /// Creates a monitor with `make`, and returns its output in the current or the next step.
+    /// Reports an error if monitors are not available.
     fn look_back(
         &mut self,
         span: Span,

@@ -1,8 +1,8 @@
 //! Defines: names for expressions, with or without parameters.
 //!
-//! A define has the same meaning wherever it is used. So it sees its own parameters and the scope
-//! in which it is declared, but no quantified names around its use. A define at the top level of a
-//! file does not see the names of the contract that uses it.
+//! A define has the same meaning wherever it is used. Its body can therefore use its own parameters
+//! and the names in scope at its declaration, but no quantified names of the place where it is
+//! used. A define at the top level of a file cannot use the names of a contract either.
 
 use super::Elaborator;
 use super::units::fitted_value;
@@ -13,7 +13,8 @@ use linewright_core::source::Span;
 use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
-    /// Returns the value of a define without parameters; reports a define that has some.
+    /// Returns the value of a define that is used without arguments. Reports a define that has
+    /// parameters.
     pub(super) fn constant_define(
         &mut self,
         span: Span,
@@ -41,7 +42,7 @@ impl<'a> Elaborator<'a> {
         self.expanded(span, define, Vec::new(), expected, time)
     }
 
-    /// Returns the value of a define for these arguments.
+    /// Returns the value of a define for these arguments. Reports a wrong number of arguments.
     pub(super) fn predicate(
         &mut self,
         span: Span,
@@ -80,8 +81,9 @@ impl<'a> Elaborator<'a> {
         self.expanded(span, define, values, expected, time)
     }
 
-    /// Elaborates an argument, and converts it to the type of its parameter if that is declared.
-    /// The argument is a value of the current step, since `next` applies to the define as a whole.
+    /// Elaborates an argument, and converts it to the type of its parameter if the parameter
+    /// declares one. The argument is elaborated for the current step, because `next` applies to the
+    /// define as a whole.
     fn argument(
         &mut self,
         formal: &'a ast::Formal,
@@ -102,7 +104,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Returns the value of a define's body, with these values for its parameters.
+    /// Returns the value of a define's body, where `values` are the values of its parameters.
     fn expanded(
         &mut self,
         span: Span,
@@ -150,8 +152,8 @@ impl<'a> Elaborator<'a> {
         value
     }
 
-    /// Returns the value of the same expression one step later; reports one that already contains
-    /// `next`.
+    /// Returns the value of an expression one step later. Reports an expression that already
+    /// contains `next`.
     pub(super) fn later(&mut self, span: Span, value: Value) -> Option<Value> {
         let mut has_next = false;
         let monitors = self.memory.monitors.as_ref();

@@ -155,7 +155,7 @@ impl<'a> Elaborator<'a> {
                 let help = match nearest(other, known.chain(functions)) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => {
-                        "the functions are `min`, `max` and `abs`, in machines also `floor`, `ceil` and `round`, and those declared with `define`"
+                        "the functions are `min`, `max` and `abs`, those declared with `define`, and in machines also `floor`, `ceil` and `round`"
                             .to_owned()
                     }
                 };

@@ -18,15 +18,15 @@ impl Elaborator<'_> {
     /// `a` and `b` in a common unit.
     ///
     /// Checks only comparisons of a variable with a literal number, a constant or another variable.
-    /// Expressions with parameters or quantified names are written for many cases, and can be
-    /// always true or false in one of them.
+    /// An expression with parameters or quantified names is written for many cases, and its value
+    /// can rightly be constant in one of them.
     pub(super) fn compared(&mut self, span: Span, sign: &str, term: &Term, a: &Expr, b: &Expr) {
         let Term::Binary(op, x, y) = term else { return };
         if self.dialect.real {
             return;
         }
-        // `place <= LAST` states the range of a place, so that it may always hold. `place = LAST`
-        // has to be possible.
+        // An inequality with a named constant is not checked, because `place <= LAST` can
+        // deliberately state the range of `place`. An equation such as `place = LAST` is checked.
         let equation = matches!(op, BinaryOp::Eq | BinaryOp::Ne);
         let both = self.names.declared(a) && self.names.declared(b) && equation;
         let of_number = |v: &Expr, n: &Expr| {
@@ -97,8 +97,8 @@ impl Elaborator<'_> {
         format!("{}..{}", range.low, range.high)
     }
 
-    /// Reports an equation such as `next x = next (x + 1)`, which contains the next value of one
-    /// variable on both sides, and so does not relate it to its current value.
+    /// Reports an equation such as `next x = next (x + 1)`. It contains the next value of `x` on
+    /// both sides, and so does not relate it to the current value of `x`.
     pub(super) fn equated(
         &mut self,
         span: Span,
@@ -140,7 +140,8 @@ impl Elaborator<'_> {
 }
 
 impl Names<'_> {
-    /// Returns whether the expression is a declared variable or a part of one.
+    /// Returns whether the expression is a declared variable or a part of one, with or without
+    /// `next`.
     fn declared(&self, e: &Expr) -> bool {
         match &e.kind {
             ExprKind::Path(names) => names.first().is_some_and(|n| {
@@ -208,7 +209,7 @@ fn changed(e: &Expr, change: &dyn Fn(&Expr) -> Expr) -> Expr {
     ast::Expr { kind, span: e.span }
 }
 
-/// Returns whether the term contains the next value of a variable.
+/// Returns whether the term contains the next value of `v`.
 fn contains_next(term: &Term, v: VarId) -> bool {
     match term {
         Term::Int(_) | Term::Real(_) => false,
@@ -219,8 +220,8 @@ fn contains_next(term: &Term, v: VarId) -> bool {
     }
 }
 
-/// Returns the result of comparing a value of `a` with a value of `b`; `None` if it depends on the
-/// values.
+/// Returns the result of comparing a value of `a` with a value of `b`; `None` if different values
+/// give different results.
 fn decided(op: BinaryOp, a: Interval, b: Interval) -> Option<bool> {
     let below = a.high < b.low;
     let above = b.high < a.low;

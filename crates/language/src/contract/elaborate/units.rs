@@ -8,8 +8,8 @@ use linewright_core::diagnostics::codes;
 use linewright_core::gr1::BinaryOp;
 use linewright_core::source::Span;
 
-/// Converts two numbers to a common unit, the finer of the two, and returns them with that type.
-/// The number 0 fits every unit. Reports numbers without a common unit.
+/// Converts two numbers to a common unit, and returns them with their common type. The number 0
+/// fits every unit. Reports numbers without a common unit.
 pub(super) fn aligned(
     span: Span,
     (a, at): (Term, Type),
@@ -118,7 +118,8 @@ pub(in crate::contract) fn fitted_value(
     }
 }
 
-/// Converts a constant quantity to a whole number of a unit; reports one that cannot be converted.
+/// Converts a constant quantity to a whole number of `unit`. Reports a quantity that cannot be
+/// converted.
 fn whole_count(
     span: Span,
     term: &Term,
@@ -171,8 +172,8 @@ fn no_common_unit(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
     findings.error_with(codes::TYPE_MISMATCH, span, message, help);
 }
 
-/// Returns the common dimension of two operands of addition or comparison; reports operands without
-/// one. The number 0 fits every dimension.
+/// Returns the common dimension of two operands of addition or comparison. The number 0 fits every
+/// dimension. Reports operands without a common dimension.
 pub(super) fn same_dimension(
     span: Span,
     (a, at): (&Term, &Type),
@@ -203,8 +204,8 @@ pub(super) fn same_dimension(
     None
 }
 
-/// Returns the coarsest unit that divides both `unit` and a constant quantity, and `unit` as a
-/// multiple of it. Returns `unit` itself and 1 if there is no such unit.
+/// Returns the coarsest unit of which both `unit` and a constant quantity are multiples, and the
+/// number of these units in one `unit`. Returns `unit` itself and 1 if there is no such unit.
 fn finer(unit: Unit, quantity: &Term, ty: &Type) -> (Unit, i64) {
     let known = (unit, 1);
     let Some(base) = constant_real(quantity) else {

@@ -8,7 +8,7 @@ use linewright_core::gr1::monitors::Monitors;
 use linewright_core::gr1::{BinaryOp, Domain, Time, VarId};
 use std::collections::BTreeMap;
 
-/// Unit of a real variable: its dimension, and its factor to the base unit.
+/// Unit of a real variable: the dimension, and the factor that converts a number to the base unit.
 pub(in crate::contract) type RealUnit = (Dimension, f64);
 
 /// Variables of one elaborator, indexed by their ids.
@@ -72,7 +72,7 @@ impl VariableTable {
         interval(&expr, &|v| self.interval(v)).ok()
     }
 
-    /// Returns the value of a variable of any shape. With `real`, quantities are converted to base
+    /// Returns the value of a variable of any shape. If `real`, quantities are converted to base
     /// units.
     pub(super) fn entry(&self, entry: &Entry, time: Time, real: bool) -> Value {
         match entry {

@@ -1,4 +1,5 @@
-//! LW202: findings for formulas that constrain variables that their side does not control.
+//! LW202: findings for assumptions that constrain outputs, and for guarantees that mention only
+//! inputs.
 
 use super::{Label, Place};
 use crate::contract::elaborate::{Elaborator, Names};
@@ -10,8 +11,9 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, BinaryOp, ExprKind};
 use linewright_syntax::format;
 
-/// Checks that a formula constrains only variables that its side controls. Reports an assumption
-/// that constrains outputs, and returns `false`; only warns about a guarantee without outputs.
+/// Checks whether a formula constrains variables that its side controls. Reports an error and
+/// returns `false` if an assumption constrains outputs. Only warns, and returns `true`, if a
+/// guarantee mentions no outputs.
 pub(super) fn controls(
     e: &mut Elaborator<'_>,
     (formula, place): (&ast::Expr, Place),
@@ -119,8 +121,8 @@ fn add(names: &mut Vec<String>, name: &str) {
     }
 }
 
-/// Returns the outputs whose current values occur in an expression, and those whose next values
-/// occur.
+/// Returns two lists: the outputs whose current values occur in an expression, and the outputs
+/// whose next values occur in it.
 fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
     let (mut now, mut next) = (Vec::new(), Vec::new());
     expr.for_each_var(&mut |v, time| {
@@ -138,14 +140,16 @@ fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
     (now, next)
 }
 
-/// Returns the position of the first condition without connectives that mentions one of these
-/// variables, or with [`Time::Next`] the next value of one.
+/// Returns the position of the first condition without connectives that mentions one of the
+/// variables `names`. If `time` is [`Time::Next`], the condition has to mention the next value of
+/// one.
 fn atom(known: &Names<'_>, formula: &ast::Expr, names: &[String], time: Time) -> Option<Span> {
     let bases: Vec<&str> = names.iter().map(|n| leaf_path(n).0).collect();
     find(known, formula, &bases, time == Time::Now)
 }
 
-/// Searches for such a condition. `reached` is whether the formula refers to the required step.
+/// Implements the search of [`atom`]. `bases` are the names of the variables. `reached` tells
+/// whether the formula already refers to the required step.
 fn find(known: &Names<'_>, formula: &ast::Expr, bases: &[&str], reached: bool) -> Option<Span> {
     let logic = match &formula.kind {
         ExprKind::Next(a) if connects(a) => return find(known, a, bases, true),
@@ -159,19 +163,18 @@ fn find(known: &Names<'_>, formula: &ast::Expr, bases: &[&str], reached: bool) -
 }
 
 fn connects(e: &ast::Expr) -> bool {
-    use BinaryOp::{And, Iff, Implies, Or, Xor};
-    matches!(
-        e.kind,
-        ExprKind::Not(_)
-            | ExprKind::Binary(And | Or | Implies | Iff | Xor, ..)
-            | ExprKind::If(..)
-            | ExprKind::Quantifier(..)
-            | ExprKind::Always(_)
-            | ExprKind::Eventually(_)
-            | ExprKind::Past(..)
-            | ExprKind::Since(..)
-            | ExprKind::Pattern(_)
-    )
+    matches!(&e.kind, ExprKind::Binary(op, ..) if op.is_logical())
+        || matches!(
+            e.kind,
+            ExprKind::Not(_)
+                | ExprKind::If(..)
+                | ExprKind::Quantifier(..)
+                | ExprKind::Always(_)
+                | ExprKind::Eventually(_)
+                | ExprKind::Past(..)
+                | ExprKind::Since(..)
+                | ExprKind::Pattern(_)
+        )
 }
 
 fn mentions(

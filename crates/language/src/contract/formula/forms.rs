@@ -5,13 +5,14 @@
 //! | clause | form |
 //! |---|---|
 //! | disjunctions of conditions, `always a` and `p unless q` | `always` of their past forms |
-//! | the same with `eventually b` or `always eventually c` | `always eventually` of past forms |
+//! | such disjunctions that also contain `eventually b` or `always eventually c` | `always eventually` of past forms |
 //! | `always (a or eventually b)` | a response |
 //! | `always (a or (p unless q))` | a pattern with the scope `after ... until ...` |
 //!
-//! `eventually always d` has no form: no condition on the past tells from when on `d` holds for
-//! ever. A stronger guarantee for a machine is to signal that time with a variable. A weaker
-//! assumption about a plant is `always eventually d`.
+//! `eventually always d` has no equivalent form, because no condition on the past can tell that `d`
+//! will hold for ever. As a guarantee, it gets a stronger form, in which the machine signals with a
+//! variable that `d` holds from now on. As an assumption, it gets the weaker form `always
+//! eventually d`.
 
 use super::ltl::{
     Ltl, arrow, at_first, conj, disj, ever, historically, implies, make, name, not, once, previous,
@@ -26,13 +27,13 @@ use linewright_syntax::format;
 pub(super) struct Form {
     /// Internal variable that the replacement needs.
     pub variable: Option<String>,
-    /// Formulas, each with whether it is a guarantee.
+    /// Formulas of the replacement. The flag tells whether the formula is a guarantee.
     pub rules: Vec<(bool, Expr)>,
-    /// Comparison with the original.
+    /// How the replacement compares with the original formula.
     pub strength: Strength,
 }
 
-/// Comparison of a form with the original formula.
+/// How a form compares with the original formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Strength {
     /// Both hold on the same runs.
@@ -46,7 +47,7 @@ pub(super) enum Strength {
 }
 
 impl Form {
-    /// Formats the form for a help text, after "write".
+    /// Formats the form for a help text, in which it follows the word "write".
     pub fn text(&self) -> String {
         let variable = self
             .variable
@@ -72,9 +73,9 @@ impl Form {
     }
 }
 
-/// Returns the form of a formula as an assumption or guarantee; `None` if none is known. `input`
-/// returns whether a formula mentions only inputs; `fresh` is an unused name for a variable, if the
-/// form may declare one.
+/// Returns the form of an assumption or guarantee; `None` if no form is known. `input` returns
+/// whether a formula mentions only inputs. `fresh` is an unused name for a variable that the form
+/// can declare; `None` if it must not declare one.
 pub(super) fn of(
     e: &Expr,
     guarantee: bool,
@@ -128,8 +129,9 @@ impl Form {
             return Some(());
         }
         if let Some((trigger, q, r)) = chain(clause) {
-            // The guarantee requires an `r` after every `q`, not only after those that follow a
-            // trigger. The assumption contains only the first half.
+            // A guarantee becomes stronger: it requires an `r` after every `q`, not only after a
+            // `q` that follows a trigger. An assumption becomes weaker: it requires the `q`, but no
+            // `r`.
             let begins = make(ExprKind::Eventually(Box::new(q.clone())));
             self.rules
                 .push((guarantee, globally(arrow(trigger, begins))));
@@ -194,8 +196,9 @@ impl Form {
         Some(())
     }
 
-    /// Returns a replacement for `eventually always d` under `always eventually`: `d` in an
-    /// assumption, a new variable in a guarantee.
+    /// Returns the condition that replaces `eventually always d` under `always eventually`: `d` in
+    /// an assumption, a new variable in a guarantee. Returns `None` if no new variable can be
+    /// declared.
     fn settles(&mut self, d: &Expr, guarantee: bool, fresh: Option<&str>) -> Option<Expr> {
         if !guarantee {
             self.strength = Strength::Weaker;
@@ -216,7 +219,7 @@ impl Form {
     }
 }
 
-/// Returns the form of a clause that needs no variable and is no disjunction.
+/// Returns the equivalent form of a clause that is not a disjunction; `None` if there is none.
 fn exactly(clause: &Ltl) -> Option<Expr> {
     Some(match clause {
         Ltl::State(p) if mentions_next(p) => globally(arrow(not(&previous(&truth())?), p.clone())),
@@ -277,8 +280,8 @@ fn exactly(clause: &Ltl) -> Option<Expr> {
     })
 }
 
-/// Returns the past form of a condition on all steps: it becomes false for ever when the condition
-/// is violated.
+/// Returns the past form of a safety clause: a condition on past steps that becomes false for ever
+/// when the clause is violated. Returns `None` for other clauses.
 fn looks_back(part: &Ltl) -> Option<Expr> {
     match part {
         Ltl::State(p) => once(&at_first(p)?),
@@ -291,8 +294,8 @@ fn looks_back(part: &Ltl) -> Option<Expr> {
     }
 }
 
-/// Returns a condition that holds infinitely often exactly if the part holds; `None` for
-/// `eventually always`.
+/// Returns a condition that holds infinitely often exactly on the runs that satisfy the part;
+/// `None` for `eventually always`.
 fn again(part: &Ltl) -> Option<Expr> {
     match part {
         Ltl::Eventually(b) => match &**b {
@@ -321,7 +324,7 @@ fn again(part: &Ltl) -> Option<Expr> {
     }
 }
 
-/// Returns `d` of `eventually always d`.
+/// Returns `d` if the part is `eventually always d`.
 fn persists(part: &Ltl) -> Option<&Expr> {
     match part {
         Ltl::Eventually(x) => match &**x {
@@ -335,7 +338,7 @@ fn persists(part: &Ltl) -> Option<&Expr> {
     }
 }
 
-/// Returns `p`, `q` and `r` of `always (p -> eventually (q and eventually r))`.
+/// Returns `p`, `q` and `r` if the part is `always (p -> eventually (q and eventually r))`.
 fn chain(part: &Ltl) -> Option<(Expr, Expr, Expr)> {
     let Ltl::Always(x) = part else { return None };
     let Ltl::Or(parts) = &**x else { return None };

@@ -1,12 +1,12 @@
-//! Normalization of LTL formulas, for the search of a GR(1) form.
+//! Normalization of LTL formulas, which prepares the search for a GR(1) form.
 //!
 //! Negations are pushed inwards and conjunctions outwards. Equivalences simplify nested operators:
 //! `always (p -> always q)` becomes `always (once p -> q)`; `always eventually` has the same value
 //! at every step of a run, so it can be pulled out of any disjunction. The result is a conjunction
-//! of clauses; `forms.rs` contains the forms of clauses.
+//! of clauses. `forms.rs` looks for a GR(1) form of each clause.
 //!
-//! All steps are equivalences. A formula that cannot be normalized gets no form (`None`), although
-//! it may have one.
+//! All steps are equivalences. For a formula that cannot be normalized, the result is `None`,
+//! although a GR(1) form might exist.
 
 use linewright_core::source::Span;
 use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind, Scope, UntilOp};
@@ -21,7 +21,7 @@ pub(super) enum Ltl {
     Next(Box<Ltl>),
     Always(Box<Ltl>),
     Eventually(Box<Ltl>),
-    /// The first holds until the second does, or for ever.
+    /// The first condition holds until the second one does, or for ever.
     Unless(Expr, Expr),
 }
 
@@ -30,7 +30,8 @@ use Ltl::{Always, And, Eventually, Next, Or, State, Unless};
 /// Maximum number of clauses; each `<->` doubles the number.
 const MAX_CLAUSES: usize = 16;
 
-/// Normalizes a formula if `holds`, or else its negation. Returns `None` if that is not possible.
+/// Normalizes the formula `e` if `holds` is true, otherwise its negation. Returns `None` if it
+/// cannot be normalized.
 pub(super) fn read(e: &Expr, holds: bool) -> Option<Ltl> {
     if !super::temporal(e) {
         return Some(State(if holds { e.clone() } else { not(e) }));
@@ -135,7 +136,8 @@ fn and(parts: impl IntoIterator<Item = Ltl>) -> Option<Ltl> {
     }
 }
 
-/// Builds a disjunction: flattens it, pulls conjunctions out, and merges alternatives of one kind.
+/// Builds a disjunction: flattens it, pulls conjunctions out, and merges alternatives of the same
+/// kind.
 fn or(parts: Vec<Ltl>) -> Option<Ltl> {
     if let Some(at) = parts.iter().position(|p| matches!(p, And(_))) {
         let And(inner) = &parts[at] else { return None };
@@ -176,7 +178,7 @@ fn or(parts: Vec<Ltl>) -> Option<Ltl> {
     }
 }
 
-/// Merges `b` into `a` if both are conditions; returns whether they are.
+/// If both are conditions, replaces `a` by `a or b`. Returns whether it did.
 fn merge(a: &mut Ltl, b: &Ltl) -> bool {
     match (a, b) {
         (State(a), State(b)) => {
@@ -218,8 +220,8 @@ fn always(x: Ltl) -> Option<Ltl> {
             Always(_) => Some(Eventually(y)),
             And(parts) => {
                 let each = parts.into_iter().map(|p| always(eventually(p)?));
-                // The parts are `q` and `eventually r`: both hold together infinitely often exactly
-                // if each of them does.
+                // `q and eventually r` holds infinitely often exactly if `q` and `r` each hold
+                // infinitely often.
                 and(each.collect::<Option<Vec<_>>>()?)
             }
             _ => None,

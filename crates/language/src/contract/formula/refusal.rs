@@ -31,10 +31,11 @@ pub(super) fn refusal(
         }
         .to_owned(),
     };
-    // `always eventually a -> always eventually b` is often misunderstood.
+    // Authors often overlook that the first `always` of `always eventually a -> always eventually
+    // b` applies to the whole implication.
     let help = match (&formula.kind, place) {
         (ExprKind::Binary(BinaryOp::Implies, a, b), Place::Justice) if temporal(b) => format!(
-            "{help}; `always` applies to everything after it: put parentheses around `always eventually {}` if it ends before the arrow",
+            "{help}; `always` applies to everything after it: put parentheses around `always eventually {}` if it should end before the arrow",
             format::format_expression(a)
         ),
         _ => help,
@@ -77,7 +78,8 @@ fn form(
     Some(format!("write {}", exact.text()))
 }
 
-/// Returns whether a formula is a condition on the first step, in which `always` may be missing.
+/// Returns whether a formula constrains only the first step, so that its author might have
+/// forgotten `always`.
 fn first_step_only(formula: &Expr) -> bool {
     match &formula.kind {
         ExprKind::Binary(BinaryOp::Implies, a, b) => {
@@ -108,7 +110,7 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
         let at = first_temporal(e);
         (
             at.span,
-            format!("{} {why}, which is outside GR(1)", word(at)),
+            format!("{} {why}; this is outside GR(1)", word(at)),
         )
     };
     match (&e.kind, place) {
@@ -137,7 +139,7 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
         },
         (ExprKind::Pattern(_), _) => (
             e.span,
-            "this pattern appears within a larger formula, which is outside GR(1)".to_owned(),
+            "this pattern appears within a larger formula; this is outside GR(1)".to_owned(),
         ),
         (ExprKind::Binary(BinaryOp::Or, ..), _) => inner(e, "is an operand of `or`"),
         (ExprKind::Not(a), _) => inner(a, "follows `not`"),
@@ -161,7 +163,7 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
     }
 }
 
-/// Returns the name of a temporal operator in messages.
+/// Returns the name that messages use for a temporal operator.
 fn word(e: &Expr) -> &'static str {
     match &e.kind {
         ExprKind::Always(a) if matches!(a.kind, ExprKind::Eventually(_)) => "`always eventually`",

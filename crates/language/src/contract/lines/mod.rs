@@ -28,10 +28,12 @@ struct Builder<'a, 's> {
     scope: &'s Scope<'a>,
     sources: &'s SourceMap,
     e: Elaborator<'a>,
-    /// Names that are declared in statements with syntax errors; their uses are not reported.
+    /// Names that are declared in statements with syntax errors. Their uses are not reported as
+    /// unknown.
     unparsed: &'a [String],
     parts: Vec<Part>,
-    /// Machines by name and arguments; equal stations share one.
+    /// Machines by name and arguments. Stations with the same machine and arguments share an
+    /// instance.
     machines: BTreeMap<(String, String), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,

@@ -11,7 +11,8 @@ use linewright_syntax::ast::{self, ExprKind, LineItem};
 
 impl<'a> Builder<'a, '_> {
     pub(super) fn declare_parts(&mut self, decl: &'a ast::Line) {
-        // Types come first, since a product can copy values of parts that are declared later.
+        // All types are resolved before the initial values, because a product can copy values of
+        // parts that are declared later.
         for item in &decl.items {
             let LineItem::Part {
                 name,

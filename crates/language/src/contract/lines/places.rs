@@ -151,7 +151,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Instantiates a machine with these arguments, or returns the same instance as before.
+    /// Returns the instance of a machine with these arguments, which all stations with the same
+    /// arguments share.
     pub(super) fn machine(
         &mut self,
         name: &ast::Name,
@@ -190,7 +191,8 @@ impl<'a> Builder<'a, '_> {
         if model.is_none() {
             self.e.findings.tainted = true;
             self.e.findings.list.append(&mut found);
-            // Without arguments, the error is in the machine, and is reported at its declaration.
+            // If there are no arguments, the error is in the machine itself and was reported at its
+            // declaration.
             if self.e.findings.list.len() == before && !arguments.is_empty() {
                 self.e.findings.error_with(
                     codes::NAME_UNKNOWN,
@@ -257,7 +259,7 @@ impl<'a> Builder<'a, '_> {
                     codes::ARGUMENT,
                     name.span,
                     "this conveyor has no number of places",
-                    "add `places N`, where N is its length divided by the distance of two parts, or add a machine: `conveyor belt: Belt`",
+                    "add `places N`, where N is its length divided by the distance between two parts, or add a machine: `conveyor belt: Belt`",
                 );
                 return None;
             }
@@ -305,7 +307,8 @@ impl<'a> Builder<'a, '_> {
     }
 
     /// Finds the wires by which a machine controls a conveyor: inputs `load` and `unload_ready`,
-    /// outputs `s[i]` and `ready`. Reports a machine without these.
+    /// outputs `s[i]` and `ready`. Reports a machine without these wires, with operations, or with
+    /// a component that is not a Moore machine.
     pub(super) fn belt(&mut self, span: Span, machine: Arc<Machine>) -> Option<Belt> {
         let plant = |name: &str| machine.plant.iter().position(|p| p.name == name);
         let wires: Vec<String> = (0..machine.wire_count())
@@ -345,8 +348,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Warns about times, powers and failures of a machine that controls a conveyor; they have an
-    /// effect only in stations.
+    /// Warns about times, powers and failures of a machine that controls a conveyor, because they
+    /// have an effect only in stations.
     fn warn_without_effect(&mut self, span: Span, machine: &Machine) {
         let components = &machine.components;
         let is_zero = |watts: &RealExpr| *watts == RealExpr::Number(0.0);
@@ -545,7 +548,8 @@ impl<'a> Builder<'a, '_> {
             }
             mapping.push(found);
         }
-        // Arrays of different lengths, or an array and a scalar, have only some elements in common.
+        // Two arrays of different lengths, or an array and a scalar, would have only some elements
+        // in common. Their types clash, too.
         let elements = |names: &mut dyn Iterator<Item = &str>, array: &str| -> BTreeSet<String> {
             let own = names.filter(|name| array_of(name) == array);
             own.map(str::to_owned).collect()
@@ -598,7 +602,7 @@ impl<'a> Builder<'a, '_> {
                 codes::ARGUMENT,
                 probability.span,
                 "a probability must be between 0 and 1",
-                "write a share: `probability 5 %`, or `probability 0.05`",
+                "write a percentage or a fraction: `probability 5 %`, or `probability 0.05`",
             );
             return None;
         }

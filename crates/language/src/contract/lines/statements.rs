@@ -16,7 +16,8 @@ use std::collections::BTreeMap;
 const MIN_SHIFT_SECONDS: f64 = 1.0;
 
 impl<'a> Builder<'a, '_> {
-    /// Sets the end product of the line: the declared one, or the only part type that can be meant.
+    /// Sets the end product of the line. If none is declared, it is the only part type with a bill
+    /// of materials or, if no part type has a bill, the only part type.
     pub(super) fn product(&mut self, decl: &'a ast::Line, model: &mut Line) {
         let mut named = decl.items.iter().filter_map(|i| match i {
             LineItem::Product(name) => Some(name),
@@ -176,8 +177,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Resolves a metric; returns it with the dimension of its bound, and the metric's unit in base
-    /// units.
+    /// Resolves a metric. Returns the metric, the dimension of its bound, and the factor that
+    /// converts its unit to base units.
     pub(super) fn metric(
         &mut self,
         name: &ast::Name,
@@ -231,7 +232,8 @@ impl<'a> Builder<'a, '_> {
         })
     }
 
-    /// Adds the routes between consecutive stops. A condition applies to the first of them.
+    /// Adds the routes between consecutive stops. A condition applies to the first of these routes
+    /// only.
     pub(super) fn route(
         &mut self,
         part: &'a ast::Name,

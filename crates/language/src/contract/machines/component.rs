@@ -49,8 +49,8 @@ pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elabor
     }
 }
 
-/// Resolves a component: its bindings, time and power. Reports unbound inputs, and loops within a
-/// step. `firsts` contains the first wire of each component.
+/// Resolves a component: its bindings, time and power. Reports unbound inputs, and circular
+/// dependencies within a step. `firsts` contains the first wire of each component.
 pub(super) fn component<'a>(
     e: &mut Elaborator<'a>,
     wires: &mut Elaborator<'a>,
@@ -236,7 +236,8 @@ fn check_bindings(findings: &mut Findings, decl: &ast::Component, specification:
     }
 }
 
-/// Returns the name of a binding's target: a leaf of an input, or a common prefix of leaves.
+/// Returns the target of a binding as text: an input or a part of one, such as `h`, `h[0]` or
+/// `target.x`.
 fn target(b: &ast::Binding) -> String {
     let mut text = b.name.text.clone();
     if let Some(index) = b.index {
@@ -251,9 +252,9 @@ fn target(b: &ast::Binding) -> String {
 /// Help text on how to bind an array or record.
 const BINDING_HELP: &str = "bind an array to an array of the same length and element type, to one value for all elements, or element by element: `h[0] = ...`; bind a record to a record with the same members, or member by member: `target.x = ...`";
 
-/// Returns the value of a leaf of an input, over wires: the value that the running operation sets,
-/// or else the declared binding, or else the plant's wire of the same name, or else the
-/// coordinator's output of the same name. Reports an unbound input.
+/// Returns the value of a leaf of an input, over wires. It is the first of the following that
+/// exists: the value that the running operation sets, the declared binding, the plant's wire of the
+/// same name, and the coordinator's output of the same name. Reports an unbound input.
 pub(super) fn binding<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -365,8 +366,8 @@ fn type_of(specification: &Specification, leaves: &[(VarId, Vec<Segment<'_>>)]) 
     }
 }
 
-/// Returns the scalar at the end of a path into a value. A scalar in place of an array is the value
-/// of all elements.
+/// Returns the scalar at the end of a path into a value. Where a scalar is given instead of an
+/// array, it is the value of all elements.
 fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
     match (value, path) {
         (Value::Scalar(term, ty), path)
@@ -389,7 +390,7 @@ fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
 /// was reported, and `Some(None)` if the input is not bound.
 #[expect(
     clippy::option_option,
-    reason = "the outer option means an error, the inner one no binding"
+    reason = "the outer `None` means an error, the inner one no binding"
 )]
 fn default_binding<'a>(
     wires: &mut Elaborator<'a>,
@@ -417,7 +418,7 @@ fn default_binding<'a>(
         let term = part_of(wires, &b.value, whole.as_ref(), variable, rest, &target(b))?;
         return Some(Some((term, b.value.span)));
     }
-    // An output of this name is not used if several coordinators have one.
+    // If several coordinators have an output of this name, none of these outputs is used.
     let seen = &wires.names.variables;
     let mut outputs = parts
         .components
@@ -452,7 +453,8 @@ fn default_binding<'a>(
 }
 
 /// Elaborates a value, and returns the part of it at the end of `path`, converted to the type of
-/// `variable`. `whole` is the expected type of the whole value, `target` its name in messages.
+/// `variable`. `whole` is the expected type of the whole value. `target` names the bound input in
+/// messages.
 fn part_of<'a>(
     wires: &mut Elaborator<'a>,
     value: &'a ast::Expr,
@@ -505,7 +507,7 @@ fn report_unbound(
     operation: Option<&ast::Name>,
 ) {
     if decl.broken {
-        // The text that could not be parsed may contain the binding.
+        // The text that could not be parsed might contain the binding.
         findings.tainted = true;
         return;
     }
@@ -522,7 +524,7 @@ fn report_unbound(
             decl.name.span,
             String::new(),
             format!(
-                "write `{name} = ...` in `{action}`, with another component's output, a `signal`, an `abstract` of a property, or `operation`"
+                "write `{name} = ...` in `{action}`, where `...` is another component's output, a `signal`, an `abstract` of a property, or `operation`"
             ),
         ),
     };

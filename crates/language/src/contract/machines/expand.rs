@@ -1,9 +1,10 @@
 //! Expansion of inner machines.
 //!
-//! A machine is first resolved with each inner machine as one component, whose outputs are all that
-//! is visible of it ([`Nested`]). This module replaces such a component in one of two ways:
+//! A machine is first resolved with each inner machine as one component. The outputs of this
+//! component are what the outer machine can read ([`Nested`]). This module then replaces the
+//! component in one of two ways:
 //!
-//! - *flat*, for execution: by the inner machine's components, named `left.pick`;
+//! - *flat*, for execution: by the inner machine's components, with names such as `left.pick`;
 //! - *abstracted*, for proofs: by one component with the contract that the inner machine refines.
 //!   Wires that are read outside of the inner machine, but do not occur in the contract, become
 //!   unconstrained outputs of that component. An inner machine without such a contract is replaced
@@ -22,12 +23,13 @@ use linewright_core::gr1::{
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Replacement of inner machines.
+/// How inner machines are replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NestedTreatment {
-    /// Each by all of its components.
+    /// Each inner machine is replaced by all of its components.
     Flat,
-    /// Each by the contract that it refines.
+    /// Each inner machine is replaced by the contract that it refines or, if it refines none, by
+    /// its components.
     Abstracted,
 }
 
@@ -35,23 +37,24 @@ pub(super) enum NestedTreatment {
 pub(super) struct FlatMachine {
     /// Resulting machine.
     pub machine: Machine,
-    /// Value of every wire of the [`Level`], over the wires of `machine`; `None` if it was not
-    /// requested.
+    /// Value of every wire of the [`Level`], over the wires of `machine`; `None` for a wire that
+    /// was not requested.
     pub values: Vec<Option<Expr>>,
 }
 
-/// Replacement of a component.
+/// What replaces a component of a [`Level`].
 enum Piece<'l> {
-    /// The component itself.
+    /// The component itself, because it is not an inner machine.
     Own(&'l Component),
     /// An inner machine, as one component with the contract that it refines.
     Contract {
         /// The component.
         component: Box<Component>,
-        /// For each output of the view, the output of the component; `None` if it is not read.
+        /// For each output of the view, the index of the component's output with the same value;
+        /// `None` if the output is not read.
         outputs: Vec<Option<usize>>,
     },
-    /// An inner machine, as its components.
+    /// An inner machine, replaced by its components.
     Parts {
         inner: &'l Nested,
         expanded: Box<FlatMachine>,
@@ -68,7 +71,7 @@ impl Piece<'_> {
     }
 }
 
-/// Expands a level to a flat machine, with its abstraction. A machine without inner machines is
+/// Expands a level to a flat machine, and adds its abstraction. A machine without inner machines is
 /// unchanged.
 pub(super) fn finish(level: Level) -> Machine {
     if level.nested.iter().all(Option::is_none) {
@@ -147,8 +150,8 @@ fn piece<'l>(
     }
 }
 
-/// Replaces an inner machine by one component with the contract that it refines, with additional
-/// outputs for other wires that are read.
+/// Replaces an inner machine by one component with the contract that it refines. Values that are
+/// read but do not occur in the contract become additional outputs of the component.
 fn contract_piece<'l>(
     inner: &Nested,
     refined: &RefinedContract,
@@ -176,7 +179,7 @@ fn contract_piece<'l>(
         }));
     }
     specification.timing = inner.timing(refined);
-    // The inputs of the contract, over the wires to which the inner machine's inputs are bound.
+    // The inputs of the contract are bound to expressions over the wires of the outer machine.
     let inputs = refined.specification.inputs();
     let bindings = inputs.filter_map(|v| {
         let binding = refined.bindings[v.index()].as_ref()?;
@@ -206,8 +209,9 @@ struct Places<'l> {
 }
 
 impl<'l> Places<'l> {
-    /// Assigns the positions. Coordinators of all layers come first, since they set their outputs
-    /// before all other components; watches come last, since they read those of all others.
+    /// Assigns the positions. Coordinators of all layers come first, because they set their outputs
+    /// before all other components. Watches come last, because they read the outputs of all other
+    /// components.
     fn new(level: &'l Level, pieces: &'l [Piece<'l>]) -> Self {
         let all = pieces.iter().enumerate().flat_map(|(i, piece)| {
             let components = piece.components().iter().enumerate();
@@ -236,7 +240,7 @@ impl<'l> Places<'l> {
     }
 
     /// Returns the value of a wire of the level over the wires of the expanded machine; `None` if
-    /// it was not requested.
+    /// the wire was not requested.
     fn wire(&self, wire: usize) -> Option<Expr> {
         let machine = &self.level.machine;
         if wire < machine.plant.len() {
@@ -278,7 +282,8 @@ impl<'l> Places<'l> {
         })
     }
 
-    /// Converts an expression over the wires of an expanded inner machine to those of this one.
+    /// Converts an expression over the wires of an expanded inner machine to the wires of the
+    /// expanded outer machine.
     fn inside(&self, index: usize, expr: &Expr) -> Expr {
         let Piece::Parts { expanded, .. } = &self.pieces[index] else {
             return self.over(expr);
@@ -369,7 +374,7 @@ fn assemble(
             .iter()
             .map(|(p, x)| (*p, x.substitute(&RealExpr::Property, &wire)))
             .collect(),
-        // Proofs do not refer to properties of parts.
+        // The abstraction needs no writes, because proofs do not refer to properties of parts.
         NestedTreatment::Abstracted => Vec::new(),
     };
     let nested = || level.nested.iter().flatten();
@@ -440,8 +445,8 @@ fn orders(own: &[SkillOrders], places: &Places<'_>) -> Vec<SkillOrders> {
     all
 }
 
-/// Converts a component to its new position. `holder` is the component that it replaces or is part
-/// of.
+/// Converts a component of a piece to its position in the expanded machine. `holder` is the
+/// component that the piece replaces.
 fn placed(
     places: &Places<'_>,
     index: usize,
@@ -464,7 +469,8 @@ fn placed(
     placed
 }
 
-/// Returns the components of the expanded machine that one element of an operation's sequence runs.
+/// Returns the components of the expanded machine that run for one element of an operation's
+/// sequence.
 fn sequence(places: &Places<'_>, (index, operation): (usize, Option<usize>)) -> Vec<usize> {
     let new = &places.indices[index];
     match (&places.pieces[index], operation) {
@@ -478,7 +484,7 @@ fn sequence(places: &Places<'_>, (index, operation): (usize, Option<usize>)) -> 
 }
 
 /// Converts the machine's guarantees. The ids of monitor variables follow those of wires; `before`
-/// is the old number of wires.
+/// is the number of wires before the expansion.
 fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
     let put = |formulas: &[Formula]| -> Vec<Formula> {
         let moved = formulas.iter().map(|f| Formula {
@@ -527,7 +533,8 @@ impl Nested {
     }
 }
 
-/// Returns whether all wires that an expression reads are set from the beginning of the step.
+/// Returns whether all wires that an expression reads are set at the beginning of the step, by
+/// Moore components.
 pub(super) fn is_set_early(machine: &Machine, expr: &Expr) -> bool {
     let mut first = true;
     expr.for_each_var(&mut |v, _| {

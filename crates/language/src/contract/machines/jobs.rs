@@ -1,10 +1,11 @@
 //! Inputs that an operation sets for the actions that it runs:
 //! `operation shift: pick, move(tx = 2, ty = 1), place`.
 //!
-//! While the operation runs, the input has the value given there, otherwise the value to which the
-//! action binds it, if any. An action that runs several times in one operation has to get the same
-//! values each time, since only the coordinator knows the position in the sequence. To use
-//! different values, declare a second action with the same contract.
+//! While the operation runs, the input has the value that the operation sets. At other times, it
+//! has the value to which the action binds it, if there is one. An action that runs several times
+//! in one operation has to get the same values each time, because only the coordinator knows the
+//! position in the sequence. To use different values, declare a second action with the same
+//! contract.
 
 use super::Parts;
 use crate::contract::elaborate::{Findings, VariableTable, nearest};
@@ -134,9 +135,10 @@ fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
     a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| given(y, x)))
 }
 
-/// Returns the value of an `operation` input whose type has only some of the machine's operations,
-/// for one of several coordinators: the running operation if its type has it, otherwise `none`.
-/// `None` if the type has no `none`, or is the type of the wire itself.
+/// Returns the value of an `operation` input whose type `ty` contains only some of the machine's
+/// operations, as is common if there are several coordinators. The value is the running operation
+/// if `ty` contains it, otherwise the label `none`. Returns `None` if `ty` has no label `none`, or
+/// is the type of the wire itself.
 pub(super) fn known_operation(variables: &VariableTable, ty: &Type) -> Option<Term> {
     let (Type::Enum(own), Some(Domain::Enum { labels, .. })) =
         (ty, variables.domains.first()?.as_ref())

@@ -219,7 +219,8 @@ fn report_duplicates(findings: &mut Findings, machine: &ast::Machine) {
             findings.push(duplicate_name(name, first));
         }
     }
-    // Operations have a separate name space: an operation with a single action can have its name.
+    // Operations have a separate name space, because an operation with a single action can have the
+    // name of the action.
     let mut operations: BTreeMap<&str, Span> = BTreeMap::new();
     let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
     let mut once: BTreeMap<&str, Span> = BTreeMap::new();
@@ -311,8 +312,8 @@ fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
     }
 }
 
-/// Instantiates the contract of a component with the component's arguments. Reports errors in the
-/// reference and its arguments.
+/// Instantiates the contract of a component with the component's arguments. Reports an unknown
+/// contract and wrong arguments.
 fn instance<'a>(
     e: &mut Elaborator<'a>,
     scope: &Scope<'_>,
@@ -373,7 +374,8 @@ fn checked_call<T>(
     if result.is_some() {
         return result;
     }
-    // Without arguments, the error is in the declaration, and is reported there.
+    // If there are no arguments, the error is in the contract or machine itself and was reported at
+    // its declaration.
     if c.arguments.is_empty() {
         findings.tainted = true;
     } else if findings.list.len() == before {

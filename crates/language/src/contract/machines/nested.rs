@@ -2,11 +2,13 @@
 //!
 //! To the outer machine, an inner machine is a component like any other. Its inputs are its plant
 //! wires: the wire `operation`, its signals and its abstractions. Its outputs are the outputs of
-//! the contract that it refines (the first, if there are several), `done`, and all its wires under
-//! their own names: `left.pick.stage`. If names clash, the output of the contract takes precedence.
+//! the contract that it refines (the first one, if there are several), `done`, and all its wires
+//! under their own names, such as `left.pick.stage`. If names clash, the output of the contract
+//! takes precedence.
 //!
-//! Its `step`, `limit`, `failures`, `write` and `idle power` apply only if it is used by itself.
-//! The times and powers of its actions, and its own `power`, apply in the outer machine as well.
+//! The `step`, `limit`, `failures` and `write` of a machine have no effect while it is an inner
+//! machine. Its `power` and `idle power`, and the times and powers of its actions, apply in the
+//! outer machine, too; the powers add up.
 
 use super::expand::{NestedTreatment, expand, is_set_early, view};
 use super::properties::{PropertyType, assigned, assigned_array};
@@ -66,8 +68,8 @@ pub(super) enum VisibleItem {
     Wire(usize),
 }
 
-/// Resolves a component that is an inner machine: returns it with its view as a contract. Reports
-/// errors in the reference and its arguments.
+/// Resolves a component that is an inner machine. Returns the machine, and its view as a contract.
+/// Reports an unknown machine, wrong arguments, and a machine that contains itself.
 pub(super) fn nested<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -181,7 +183,7 @@ fn visible_items(machine: &Machine) -> Vec<VisibleItem> {
 }
 
 impl Nested {
-    /// Returns, for each output of the view, whether it is set from the beginning of a step.
+    /// Returns, for each output of the view, whether it is set at the beginning of a step.
     pub fn early_outputs(&self) -> Vec<bool> {
         self.values
             .iter()
@@ -219,7 +221,8 @@ impl Nested {
     pub fn over_properties(&self, value: &RealExpr) -> RealExpr {
         let property = |i: usize| {
             let bound = self.properties.get(i).cloned().flatten();
-            // Unbound properties that matter were reported.
+            // An unbound property on which a time or power depends has been reported. Others have
+            // no effect.
             bound.unwrap_or(RealExpr::Number(self.flat.properties[i].default))
         };
         value.substitute(&property, &RealExpr::Wire)
@@ -251,7 +254,7 @@ impl Nested {
     }
 
     /// Returns the operation that an element of a sequence selects: `left.fetch`, or `left` if the
-    /// machine has only one operation. Reports an element that selects none.
+    /// machine has only one operation. Reports an element that selects no operation.
     pub fn operation(&self, findings: &mut Findings, run: &ast::Name) -> Option<usize> {
         let operations = &self.flat.operations;
         let selected = run.text.split_once('.').map(|(_, operation)| operation);
@@ -290,8 +293,9 @@ impl Nested {
     }
 }
 
-/// Returns the values of an inner machine's properties in the outer machine: as bound, or else the
-/// outer property of the same name, type and unit; `None` if there is neither.
+/// Returns the values of an inner machine's properties, over the properties of the outer machine. A
+/// value is the one to which the property is bound, otherwise the outer property of the same name,
+/// type and unit, otherwise `None`.
 pub(super) fn bind_properties<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -351,14 +355,14 @@ fn report_missing(
     bound: &[Option<RealExpr>],
 ) {
     if decl.broken {
-        // The text that could not be parsed may contain the binding.
+        // The text that could not be parsed might contain the binding.
         findings.tainted = true;
         return;
     }
     for i in nested.needed_properties() {
         let name = &nested.flat.properties[i].name;
         let root = leaf_path(name).0;
-        // A wrong binding was reported.
+        // A wrong binding has already been reported.
         let has_binding = decl.bindings.iter().any(|b| b.name.text == root);
         if bound[i].is_some() || has_binding && nested.property_length(root) == Some(1) {
             continue;
@@ -370,7 +374,7 @@ fn report_missing(
             format!(
                 "the property `{name}` of `{inner}` is not bound, but times or powers of its actions depend on it"
             ),
-            format!("write `{root} = ...` in `{inner}`, with a property or parameter of this machine, or a number"),
+            format!("write `{root} = ...` in `{inner}`, where `...` is a property or parameter of this machine, or a number"),
         );
     }
 }

@@ -1,9 +1,9 @@
 //! Skill sets that a machine calls, with one condition over wires per skill.
 //!
 //! The rules of a set are used twice. Rules about the calls of one coordinator become guarantees of
-//! its contract, so that its synthesized controller keeps them ([`guarantee`]). All rules become
-//! assumptions of a component that only observes ([`watches`]), so that they are proved like any
-//! other assumption, and checked at run time in every step.
+//! its contract, so that its synthesized controller satisfies them ([`guarantee`]). All rules
+//! become assumptions of a component that only observes ([`watches`]), so that they are proved like
+//! any other assumption, and checked at run time in every step.
 
 use super::Parts;
 use super::component::scope_of_wires;
@@ -95,8 +95,8 @@ fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Optio
     }
 }
 
-/// Bindings by the name of the skill: position, and condition; `None` if the condition has an
-/// error.
+/// Bindings by the name of the skill. Each consists of its position and the condition, which is
+/// `None` if it has an error.
 type BoundSkills<'a> = BTreeMap<&'a str, (Span, Option<Expr>)>;
 
 /// Resolves the conditions of skills; reports skills that are bound twice.
@@ -144,7 +144,8 @@ fn conditions(
         .map(|(skill, _)| skill.name.as_str())
         .collect();
     for (unknown, (span, _)) in &called {
-        // A misspelled name probably stands for a missing skill, so these are suggested first.
+        // The skills without a binding are suggested first, because an unknown name is probably a
+        // misspelling of one of them.
         let known = missing.iter().copied();
         let all = skills.skills.iter().map(|s| s.name.as_str());
         let help = match linewright_core::diagnostics::nearest(unknown, known) {
@@ -159,7 +160,7 @@ fn conditions(
         );
     }
     if decl.broken {
-        // The text that could not be parsed may contain their bindings.
+        // The text that could not be parsed might contain the missing bindings.
         findings.tainted = true;
         return None;
     }
@@ -172,7 +173,7 @@ fn conditions(
                 listed(missing.iter().copied()),
                 if missing.len() == 1 { "is" } else { "are" },
             ),
-            format!("write `{first} = ...`, with a condition over the machine's wires such as `component.output = value`, or `false` if the machine never calls the skill"),
+            format!("write `{first} = ...`, where `...` is a condition over the machine's wires, such as `component.output = value`, or `false` if the machine never calls the skill"),
         );
         return None;
     }
@@ -202,7 +203,8 @@ pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &S
         }
         let mut kept = Specification::clone(specification);
         for orders in &orders {
-            // Converts a condition to the coordinator's variables; `None` if it depends on others.
+            // Converts a condition over wires to the coordinator's variables; `None` if it depends
+            // on other wires than the coordinator's outputs.
             let own = |expr: &Expr| {
                 let mut all = true;
                 let over = expr.substitute(&mut |v, time| {
@@ -215,14 +217,14 @@ pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &S
             let when = orders.when.iter();
             let when: Vec<Option<Condition>> =
                 when.map(|w| own(w).map(Condition::rising)).collect();
-            // `watches` reports a rule that is too large.
+            // The error is ignored here, because `watches` reports a rule that is too large.
             let _ = add_rules(&mut kept, orders, &when, Party::Machine);
         }
         parts.components[index].1 = Arc::new(kept);
     }
 }
 
-/// The party that has to keep the rules.
+/// The party that has to satisfy the rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Party {
     /// The rules are guarantees.
@@ -231,8 +233,8 @@ enum Party {
     Plant,
 }
 
-/// Adds the rules whose skills all have a condition to a specification. The definitions of their
-/// variables are always guarantees.
+/// Adds the orders to a specification, except the rules that mention a skill without a condition.
+/// The definitions of the variables that the rules need always become guarantees.
 fn add_rules(
     specification: &mut Specification,
     orders: &SkillOrders,
@@ -282,8 +284,8 @@ fn extend(side: &mut Side, more: Side) {
     side.safety.extend(more.safety);
 }
 
-/// Returns, for each two skills of one component that could be called at once, the formulas that
-/// forbid it.
+/// Returns formulas that forbid calling two skills of the same component at once. Pairs whose
+/// conditions exclude each other need no formulas.
 fn at_once(
     skills: &Skills,
     when: &[Option<Condition>],
@@ -319,8 +321,8 @@ fn at_once(
     found
 }
 
-/// Returns whether the expression is never true; `false` if there are more than [`MAX_TRIED`]
-/// combinations of values to try.
+/// Returns whether the expression is never true. Also returns `false` if there are more than
+/// [`MAX_TRIED`] combinations of values, because they are not tried then.
 fn is_never(expr: &Expr, specification: &Specification) -> bool {
     let mut variables: Vec<VarId> = Vec::new();
     expr.for_each_var(&mut |v, _| {
@@ -358,8 +360,8 @@ fn is_never(expr: &Expr, specification: &Specification) -> bool {
 }
 
 /// Returns the condition that an operation has ended, and the skills whose conditions depend on the
-/// requested operation. After the end, the next request is a new call, even for the same operation.
-/// Returns `None` if there are no such skills.
+/// requested operation. After the end of an operation, the next request is a new call of these
+/// skills, even if it requests the same operation. Returns `None` if there are no such skills.
 fn by_operation(model: &Machine, orders: &SkillOrders) -> Option<(Expr, Vec<usize>)> {
     let mut plant = model.plant.iter();
     let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
@@ -375,7 +377,7 @@ fn by_operation(model: &Machine, orders: &SkillOrders) -> Option<(Expr, Vec<usiz
     Some((done, skills))
 }
 
-/// Returns an input for the condition that the operation has ended, with an unused name.
+/// Returns a Boolean input with an unused name, for the condition that the operation has ended.
 fn ended_input(specification: &Specification, span: Span) -> Variable {
     let mut name = "operation_ended".to_owned();
     while specification.variables.iter().any(|v| v.name == name) {
@@ -391,7 +393,8 @@ fn ended_input(specification: &Specification, span: Span) -> Variable {
     }
 }
 
-/// Returns a component per skill set that observes the calls, and assumes that the orders are kept.
+/// Returns one component for each skill set. It observes the calls, and its assumptions are the
+/// orders of the set. Reports orders that are too large.
 pub(super) fn watches(findings: &mut Findings, model: &Machine) -> Vec<Component> {
     let mut watches = Vec::new();
     for orders in &model.orders {
@@ -458,8 +461,8 @@ pub(super) fn watches(findings: &mut Findings, model: &Machine) -> Vec<Component
     watches
 }
 
-/// Adds a component after all others. Renumbers the variables of the machine's monitors, whose ids
-/// follow those of the wires.
+/// Adds a component after all others. Renumbers the variables of the machine's monitors, because
+/// their ids follow those of the wires.
 pub(super) fn add(model: &mut Machine, component: Component) {
     let before = model.wire_count();
     let more = component.specification.outputs().count();

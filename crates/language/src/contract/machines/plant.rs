@@ -14,7 +14,8 @@ use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, OperationCall};
 
-/// A component that an operation runs, and the component's operation if it is a machine (indices).
+/// Index of a component that an operation runs and, if the component is a machine, the index of the
+/// operation that this machine performs.
 type Run = (usize, Option<usize>);
 
 /// Resolves the operations, and adds the plant wire that selects one (wire 0). Also returns, for
@@ -38,7 +39,7 @@ pub(super) fn operations(
         return (Vec::new(), Vec::new());
     }
     // The type of the wire is the type of the input that is bound to `operation`. If there are
-    // several such types, the wire has the labels of all.
+    // several such types, the wire has the labels of all of them.
     let mut bound: Vec<(Domain, Span)> = Vec::new();
     for (c, s) in &parts.components {
         let chosen = c.bindings.iter().filter(|b| is_operation(&b.value));
@@ -133,8 +134,8 @@ pub(super) fn operations(
     (result, performed)
 }
 
-/// Resolves a name in a sequence. `alone` is whether the name is that of the operation itself,
-/// which has no sequence.
+/// Resolves a name in a sequence. `alone` tells whether the operation has no sequence, so that
+/// `name` is the name of the operation itself.
 fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool) -> Option<Run> {
     let who = performer(&name.text);
     let is = |(c, _): &(&ast::Component, _)| c.name.text == who && !c.is_coordinator();
@@ -184,7 +185,7 @@ fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool
     None
 }
 
-/// Returns whether a binding is the name of the wire `operation`.
+/// Returns whether the value of a binding is just the wire `operation`.
 pub(super) fn is_operation(value: &ast::Expr) -> bool {
     matches!(&value.kind, ExprKind::Path(p) if p.len() == 1 && p[0].text == "operation")
 }

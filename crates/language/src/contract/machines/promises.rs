@@ -68,15 +68,16 @@ fn check_names(findings: &mut Findings, decl: &ast::Component, specification: &S
     }
 }
 
-/// Returns the value of every variable of the contract: as bound, or else the wire of the same
-/// name; `None` for variables of monitors. Returns `None` if an error was reported.
+/// Returns the value of every variable of the contract: the value to which it is bound, otherwise
+/// the wire of the same name. The value is `None` for a variable of a monitor. The whole result is
+/// `None` if an error was reported.
 fn bindings<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
     decl: &'a ast::Component,
     specification: &Specification,
 ) -> Option<Vec<Option<Expr>>> {
-    // All variables are bound like inputs.
+    // `binding` resolves only inputs, so all variables are treated as inputs.
     let mut all = specification.clone();
     for variable in &mut all.variables {
         variable.owner = Owner::Environment;
@@ -124,7 +125,7 @@ fn bindings<'a>(
                 if missing.len() == 1 { "is" } else { "are" },
             ),
             format!(
-                "write `{} = ...` after `refines {}`, with a wire of the machine such as `component.output`",
+                "write `{} = ...` after `refines {}`, where `...` is a wire of the machine, such as `component.output`",
                 missing[0], decl.contract.text
             ),
         );
@@ -133,8 +134,9 @@ fn bindings<'a>(
     complete.then_some(bound)
 }
 
-/// Checks that an input of the contract is bound only to wires that the plant sets, since the
-/// contract's assumptions are about the environment. Reports other bindings, and returns `false`.
+/// Checks that an input of the contract is bound only to wires that the plant sets, because the
+/// contract's assumptions are about the environment. Reports other bindings, and returns `false`
+/// for them.
 fn check_input(
     findings: &mut Findings,
     parts: &Parts<'_>,
@@ -188,9 +190,9 @@ fn wire_names<'a>(parts: &'a Parts<'_>) -> Vec<Wire<'a>> {
     names
 }
 
-/// Returns the wire for a variable by its name, if the domains are equal: the plant's wire of this
-/// name, `stage` of `pick_a` for `pick_a_stage`, or the output of this name if only one component
-/// has one.
+/// Returns the wire that corresponds to a variable by name and has the same domain. For the
+/// variable `pick_a_stage`, it is the plant's wire `pick_a_stage`, otherwise the output `stage` of
+/// `pick_a`, otherwise the output `pick_a_stage` if exactly one component has such an output.
 fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
     let only = |fits: &dyn Fn(&Wire<'_>) -> bool| -> Option<VarId> {
         let mut found = wires.iter().enumerate().filter(|(_, w)| fits(w));

@@ -73,8 +73,9 @@ pub(in crate::contract) fn property_type<'a>(
     }
 }
 
-/// Evaluates the constant value of a property in its declared unit, one number per element. Without
-/// a value, returns the smallest value of the domain, or 0.
+/// Evaluates the constant value of a property. Returns one number per element, in the declared
+/// unit. If there is no value, each number is the smallest value of the domain, or 0 if there is no
+/// domain.
 pub(in crate::contract) fn property_values<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -270,8 +271,8 @@ fn converted(
     let expected = ty.domain.as_ref().map(Type::of);
     let (dimension, factor) = unit(&ty.unit);
     match (&expected, found) {
-        // A range with a unit. The plant does not round the quotient; a value that is not a whole
-        // number is reported at run time.
+        // A quantity is assigned to a range with a unit. The number is the quantity divided by the
+        // unit. The plant does not round it: a number that is not whole is reported at run time.
         (Some(Type::Int), Type::Number(d)) if dimension != Dimension::None => {
             if *d != dimension {
                 findings.mismatch(value.span, dimension.describe(), found);

@@ -150,7 +150,7 @@ impl<'a> Resolver<'a> {
                 None
             }
             (None, Some(first)) => {
-                // The text that could not be parsed may contain the situation.
+                // The text that could not be parsed might contain the situation.
                 if !decl.broken {
                     let known = decl.situations.iter().map(|s| s.text.as_str());
                     let near = nearest(name, known).unwrap_or(&first.text);
@@ -209,8 +209,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Returns the skill with this name. Reports an unknown name, unless text that could not be
-    /// parsed may declare it.
+    /// Returns the skill with this name. Reports an unknown name, unless it might be declared in
+    /// text that could not be parsed.
     fn find(&mut self, name: &ast::Name) -> Option<usize> {
         let found = self.skill_index.get(name.text.as_str()).copied();
         if found.is_none() {
@@ -233,8 +233,8 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// Returns the level with this keyword, among `known`; valid if there is no keyword. Reports an
-/// unknown one.
+/// Returns the level with this keyword. The level has to be one of `known`; if there is no keyword,
+/// it is [`Level::Valid`]. Reports an unknown keyword.
 pub(super) fn level(
     word: Option<&ast::Name>,
     known: &[Level],
@@ -258,8 +258,8 @@ pub(super) fn level(
     found.copied()
 }
 
-/// Returns a help text for an unknown name: the most similar known name, or else all known names
-/// after the words `they_are`.
+/// Returns a help text for an unknown name: the most similar known name or, if none is similar, all
+/// known names after the words `they_are`.
 pub(super) fn near_or_all<'n>(
     name: &str,
     known: impl Iterator<Item = &'n str> + Clone,

@@ -1,5 +1,5 @@
-//! Resolution of regular expressions over skills. Limits their size, since the automaton contains
-//! every repetition.
+//! Resolution of regular expressions over skills. Their size is limited, because the automaton
+//! contains every repetition.
 
 use super::Resolver;
 use linewright_automata::regex::Regex;
@@ -13,7 +13,7 @@ const MAX_TIMES: u64 = 1000;
 const MAX_SIZE: u64 = 10_000;
 
 impl Resolver<'_> {
-    /// Resolves a sequence; reports one that is too large.
+    /// Resolves a sequence. Reports a sequence that is too large.
     pub(super) fn sequence(&mut self, regex: &ast::Regex) -> Option<Regex> {
         let resolved = self.regex(regex)?;
         let size = size(&resolved);

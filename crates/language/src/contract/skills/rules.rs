@@ -9,11 +9,11 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, OrderRule, SkillItem};
 use std::collections::BTreeMap;
 
-/// Maximum N of `at most N`.
+/// Maximum `N` in an order `at most N of ...`.
 const MAX_COUNT: u64 = 1000;
 
 impl Resolver<'_> {
-    /// Resolves the orders; omits those with errors, which are reported.
+    /// Resolves the orders. Orders with errors are reported and omitted.
     pub(super) fn rules(&mut self) -> Vec<Rule> {
         let orders = self.set.items.iter().filter_map(|item| match item {
             SkillItem::Order(order) => Some(order),
@@ -149,8 +149,8 @@ impl Resolver<'_> {
         self.at_once(&event.skills, separate).map(Event)
     }
 
-    /// Resolves skills that are called at once, in ascending order. Reports two skills of one
-    /// component; `separate` returns the help text for them.
+    /// Resolves skills that are called at once, and returns them in ascending order. Reports two
+    /// skills of one component; `separate` returns the help text for this error.
     pub(super) fn at_once(
         &mut self,
         names: &[ast::Name],
@@ -202,8 +202,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// Resolves situations of several components, sorted by component. Reports two situations of
-    /// one component.
+    /// Resolves situations of several components, and returns them sorted by component. Reports two
+    /// situations of one component.
     fn side(&mut self, situations: &[ast::Situation]) -> Option<Vec<(usize, usize)>> {
         let found: Vec<_> = situations.iter().map(|s| self.situation(s)).collect();
         let found: Vec<(usize, usize)> = found.into_iter().collect::<Option<_>>()?;
@@ -214,7 +214,7 @@ impl Resolver<'_> {
                 is_valid = false;
                 let (a, b) = (&situations[first], &situations[place]);
                 let message = format!(
-                    "`{}` and `{}` are situations of `{}`, which is in only one at a time",
+                    "`{}` and `{}` are situations of `{}`, which can be in only one of them at a time",
                     a.label.text, b.label.text, self.components[*component].name
                 );
                 self.error(
@@ -283,7 +283,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Reports an unknown name, unless text that could not be parsed may declare it.
+    /// Reports an unknown name, unless it might be declared in text that could not be parsed.
     fn report_unknown(&mut self, name: &ast::Name, what: &str, known: impl Fn(&Self) -> Vec<&str>) {
         self.tainted = true;
         if self.set.broken {

@@ -48,8 +48,8 @@ const GENERIC_WORDS: &[&str] = &[
     "variable",
 ];
 
-/// Maximum number of variables whose names are compared. Larger contracts are probably generated,
-/// and the number of pairs grows quadratically.
+/// Maximum number of variables whose names are compared. Contracts with more variables are not
+/// checked, because they are probably generated, and the number of pairs grows quadratically.
 const MAX_VARIABLES: usize = 1_000;
 
 struct Variable<'a> {
@@ -59,8 +59,9 @@ struct Variable<'a> {
     domain: &'a Domain,
 }
 
-/// Returns a finding for each such pair of a contract, at the unused name, or else at the later
-/// one. `is_unused` returns whether a name is certainly unused.
+/// Returns a finding for each pair of names in a contract that meets these conditions. Its position
+/// is that of the unused name or, if both are used, of the later one. `is_unused` returns whether a
+/// name is certainly unused.
 pub(super) fn find(
     contract: &Contract,
     sources: &SourceMap,
@@ -68,7 +69,8 @@ pub(super) fn find(
 ) -> Vec<Diagnostic> {
     let mut variables: Vec<Variable<'_>> = Vec::new();
     let mut formulas: Vec<Mentions<'_>> = Vec::new();
-    // Names in definitions and counters; the formulas that use those are not tracked.
+    // Names in definitions and counters. They count as used together with every other name, because
+    // the formulas that use these definitions and counters are not tracked.
     let mut indirect = Mentions::default();
     for item in &contract.items {
         match item {
@@ -125,7 +127,7 @@ pub(super) fn find(
             });
         }
     }
-    // A third name for the same thing is not reported again.
+    // A name that is similar to several others is reported only once.
     let mut shown: Vec<Option<Span>> = Vec::new();
     findings.retain(|f| {
         let new = !shown.contains(&f.span);

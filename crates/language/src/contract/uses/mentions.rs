@@ -19,7 +19,8 @@ impl<'a> Mentions<'a> {
         self.names.contains(name)
     }
 
-    /// Returns whether a label of a type occurs: labels are written without their type.
+    /// Returns whether a label of a type occurs. It counts as a use of the type, because labels are
+    /// written without their type.
     pub fn has_label_of(&self, domain: &ast::Domain) -> bool {
         match &domain.kind {
             DomainKind::Labels(labels) => labels.iter().any(|l| self.has(&l.text)),

@@ -1,5 +1,5 @@
-//! The game from the environment's point of view, and the steps in which its winning region grows;
-//! [`super`] has the formula.
+//! The game from the environment's point of view, and the stages in which its winning region grows;
+//! [`super`] gives the formula.
 
 use crate::game::arena::{Arena, Formulas, Selection};
 use crate::game::set_up::SPLIT;
@@ -18,7 +18,7 @@ pub(super) struct Board<K: Kernel> {
     pub answers: K::Function,
 }
 
-/// One iteration of Z.
+/// One iteration of the outer fixpoint Z.
 pub(super) struct Stage<K: Kernel> {
     /// Z before the iteration.
     pub before: K::Function,
@@ -51,7 +51,7 @@ impl<K: Kernel> Board<K> {
     }
 
     /// Returns the machine's legal transitions that are not in `target`: (x, y, x′, y′) if the
-    /// machine moves first, otherwise the (x, y, x′) with such an answer.
+    /// machine moves first, otherwise the (x, y, x′) after which the machine has such an answer.
     pub fn evasions(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         match self.timing {
@@ -105,8 +105,8 @@ impl<K: Kernel> Board<K> {
         })
     }
 
-    /// Returns the stages up to the first one from which the environment can start; `None` if the
-    /// machine wins.
+    /// Returns the stages up to the first one into which the environment can force the play in step
+    /// 0; `None` if the machine wins.
     pub fn stages(&self) -> Result<Option<Vec<Stage<K>>>, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
         let mut stages: Vec<Stage<K>> = Vec::new();
@@ -146,8 +146,8 @@ impl<K: Kernel> Board<K> {
         }
     }
 
-    /// Returns the states from which the environment can withhold a goal from the machine for ever
-    /// or reach `region`, with the layers by assumption.
+    /// Returns the states from which the environment can either withhold a goal from the machine
+    /// for ever or reach `region`. Also returns the layers for each assumption.
     #[expect(clippy::type_complexity, reason = "a pair of a set and its layers")]
     fn starve(
         &self,

@@ -37,7 +37,8 @@ struct Class<K: Kernel> {
     to: usize,
 }
 
-/// The inputs that the environment gives, with the next states by the machine's answers.
+/// The inputs that the environment gives in a step, and the next states, grouped by the machine's
+/// answers.
 type Step<K> = (Vec<i64>, Vec<Class<K>>);
 
 /// The inputs that the environment gives, and the bits that encode them.
@@ -141,7 +142,8 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok((number, fresh))
     }
 
-    /// Returns, for each input given in a state, the next states by the machine's answers.
+    /// Returns, for each input valuation that the environment gives in a state, the next states,
+    /// grouped by the machine's answers.
     fn steps(&mut self, state: usize) -> Result<Vec<Step<K>>, Limit> {
         let m = self.m;
         let key = self.keys[state].clone();
@@ -172,7 +174,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(steps)
     }
 
-    /// Splits the set `part` of current steps by the states to which they lead.
+    /// Splits the set `part` of current steps by the states to which the steps lead.
     fn split(
         &mut self,
         aim: usize,
@@ -262,8 +264,8 @@ impl<K: Kernel> Explorer<'_, K> {
                 });
             }
         }
-        // Answers that break a guarantee need rows if the machine moves first, since the
-        // environment still gives inputs, or if every answer breaks one.
+        // Answers that break a guarantee need rows in two cases: if the machine moves first,
+        // because the environment still gives inputs, and if every answer breaks a guarantee.
         let broken = m.and_not(&self.keys[state].given, &self.legal[state])?;
         let everything = m.is_false(&self.legal[state]);
         if everything || self.board.timing == Timing::Moore {

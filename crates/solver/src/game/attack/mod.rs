@@ -6,13 +6,14 @@
 //! ```
 //!
 //! `EPre(T)` is the set of states in which the environment has a legal move after which every legal
-//! answer of the machine is a transition of T; the machine may also have no legal answer. Z is the
-//! complement of the machine's winning region ([`super::fixpoint`]; after Könighofer, Hofferek and
-//! Bloem, "Debugging formal specifications: a practical approach using model-based diagnosis and
-//! counterstrategies", STTT 15, 2013). Each iteration of Z is kept as a [`board::Stage`]: either
-//! one more forced step, or a goal that the environment can withhold from the machine for ever
-//! while it meets every justice assumption infinitely often. The search ends with the first stage
-//! from which the environment can start, so the environment wins with the fewest stages.
+//! answer of the machine is a transition of T. A move after which the machine has no legal answer
+//! counts, too. Z is the complement of the machine's winning region ([`super::fixpoint`]; after
+//! Könighofer, Hofferek and Bloem, "Debugging formal specifications: a practical approach using
+//! model-based diagnosis and counterstrategies", STTT 15, 2013). Each iteration of Z is kept as a
+//! [`board::Stage`]: either one more forced step, or a goal that the environment can withhold from
+//! the machine for ever while it meets every justice assumption infinitely often. The search ends
+//! with the first stage into which the environment can force the play in step 0, so the environment
+//! wins with the fewest stages.
 
 mod board;
 mod explore;

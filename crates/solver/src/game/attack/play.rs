@@ -3,15 +3,15 @@
 //!
 //! In every step, the machine takes a legal answer that leads to the highest stage, so that a play
 //! that ends in a clash is as long as possible. Of several such answers, it prefers those that keep
-//! the value of an output. The play ends in a step without a legal answer, and names the guarantees
-//! that clash there; or it returns to an earlier step, and the environment withholds a goal for
-//! ever.
+//! the value of an output. The play ends in one of two ways. Either it reaches a step without a
+//! legal answer; then it names the guarantees that clash there. Or it returns to an earlier step;
+//! then the environment withholds a goal from the machine for ever.
 //!
 //! A safety guarantee without next values restricts the current step of a transition. So an answer
-//! that violates it is legal, but no step can follow. With [`PlayEnd::Violation`], such an answer
-//! counts as illegal, so that the play ends in the step that violates the guarantee. The machine
-//! does not lose a better answer this way, since the environment never gets stuck in a game that it
-//! wins.
+//! that violates such a guarantee is legal, but no step can follow. With [`PlayEnd::Violation`],
+//! such an answer counts as illegal, so that the play ends in the step that violates the guarantee.
+//! The machine does not lose a better answer this way, since the environment never gets stuck in a
+//! game that it wins.
 
 use super::board::{Board, Stage};
 use super::strategy::Strategy;
@@ -25,8 +25,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Play {
     /// The valuations step by step, with one value per variable of the specification. In the last
-    /// step of a play that ends in a clash, only the inputs are meaningful; for a machine that
-    /// moves first, its outputs too.
+    /// step of a play that ends in a clash, only the inputs are meaningful; if the machine moves
+    /// first, the outputs are meaningful, too.
     pub steps: Vec<Vec<i64>>,
     /// How the play ends.
     pub ending: Ending,
@@ -47,7 +47,7 @@ pub enum Ending {
     /// In the last step, no answer keeps all of these guarantees, although every proper subset of
     /// them can be kept.
     Clash(Vec<GuaranteeRef>),
-    /// The play repeats its steps from `from` on for ever and never meets a justice guarantee.
+    /// The play repeats its steps from step `from` on for ever and never meets a justice guarantee.
     Starved {
         /// Index of the step to which the play returns.
         from: usize,
@@ -97,7 +97,7 @@ pub fn play<K: Kernel>(
     let mut seen: Vec<(usize, Vec<i64>)> = Vec::new();
     let mut aim = 0;
     let m = player.m;
-    // Moves of the upcoming step, over next bits, and the legal ones among them.
+    // The environment's moves in the upcoming step and the machine's legal answers, over next bits.
     let mut given = m.prime(&strategy.initial)?;
     let mut legal = m.prime(&board.arena.sys_initial)?;
     let current_safety = player.current_safety(formulas)?;
@@ -150,8 +150,8 @@ struct Player<'a, K: Kernel> {
 }
 
 impl<K: Kernel> Player<'_, K> {
-    /// Returns the step, of these steps over next bits, with which the machine resists longest;
-    /// `None` if there are no steps.
+    /// Returns the step of the set `possible` (over next bits) with which the machine resists
+    /// longest; `None` if the set is empty.
     fn best_step(
         &self,
         possible: &K::Function,
@@ -205,8 +205,8 @@ impl<K: Kernel> Player<'_, K> {
     }
 
     /// Returns the safety guarantees without next values, as conditions on the next step: a play
-    /// can continue after a step only if the step keeps them. Returns none for a machine that moves
-    /// first, since the inputs can then decide whether a step keeps them, and none for
+    /// can continue after a step only if the step keeps them. Returns none if the machine moves
+    /// first, because the inputs can then decide whether a step keeps them. Also returns none for
     /// [`PlayEnd::NoMove`].
     fn current_safety(
         &self,

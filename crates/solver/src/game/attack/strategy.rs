@@ -12,10 +12,11 @@ use linewright_core::gr1::{Specification, Time};
 
 /// A deterministic counterstrategy.
 pub struct Strategy<K: Kernel> {
-    /// The moves for every assumption that can be pursued: (x, y, x′), or (x, y, y′, x′) if the
+    /// For each assumption that can be pursued, the moves: (x, y, x′), or (x, y, y′, x′) if the
     /// machine moves first.
     pub moves: Vec<K::Function>,
-    /// For each assumption, the transitions that meet it, after which the next one is pursued.
+    /// For each assumption, the transitions that meet it. After such a transition, the next
+    /// assumption is pursued.
     pub met: Vec<K::Function>,
     /// Moves in step 0, over current bits: x, or (x, y) if the machine moves first.
     pub initial: K::Function,
@@ -56,7 +57,7 @@ impl<K: Kernel> Strategy<K> {
         })
     }
 
-    /// Returns the assumption that is pursued after `aim` was met.
+    /// Returns the assumption that is pursued once `aim` has been met.
     pub fn after(&self, aim: usize) -> usize {
         (aim + 1) % self.moves.len()
     }

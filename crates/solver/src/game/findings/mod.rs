@@ -3,10 +3,12 @@
 //!
 //! A specification is *well-separated* (Klein and Pnueli; Maoz and Ringert, "On well-separation of
 //! GR(1) specifications", FSE 2016) when the machine cannot force the environment to violate its
-//! assumptions. Only then does "safety first, strictly" equal the plain implication. The check is
-//! the same game with the machine's justice replaced by `false`, played from the states that can
-//! occur. As in that paper, it is done twice: for a machine that keeps its own safety, and for an
-//! unrestricted one, which shows whether the assumptions are well-separated on their own.
+//! assumptions. Only then is the strict semantics, in which safety takes precedence over justice,
+//! equivalent to the plain implication from assumptions to guarantees. The check solves the same
+//! game with the machine's justice replaced by `false`, and looks for winning states among the
+//! states that can occur. As in that paper, it is done twice: for a machine that keeps its own
+//! safety, and for an unrestricted one, which shows whether the assumptions are well-separated on
+//! their own.
 
 pub mod requests;
 pub mod shape;
@@ -40,15 +42,15 @@ pub struct EnvironmentFindings {
     /// keep its safety and force the environment to break an assumption; `None` if the
     /// specification is well-separated.
     pub forced: Option<PartialValuation>,
-    /// Number of valuations that can occur and from which the machine can do so, and number of all
-    /// valuations that can occur.
+    /// The number of valuations that can occur and from which the machine can force the environment
+    /// to break an assumption, and the number of all valuations that can occur.
     pub forced_states: [f64; 2],
     /// Like [`Self::forced`], for a machine that need not keep its safety.
     pub forced_recklessly: Option<PartialValuation>,
     /// Like [`Self::forced_states`], for a machine that need not keep its safety.
     pub forced_recklessly_states: [f64; 2],
-    /// Assumptions that the machine can force the environment to break even if they are the only
-    /// one.
+    /// Assumptions that the machine can force the environment to break even if there are no other
+    /// assumptions.
     pub broken: Vec<AssumptionRef>,
     /// Whether no play keeps all assumptions, even with a cooperating machine that ignores its
     /// guarantees.
@@ -140,9 +142,9 @@ pub fn examine<K: Kernel>(
     })
 }
 
-/// Returns a prime implicant of a set within a larger one: values that ensure that a state of the
-/// larger set belongs to the smaller one, none of which can be left out. Variables are left out
-/// greedily, internal ones first. `None` if the set is empty.
+/// Returns a prime implicant of `set` within the larger set `within`: values of some variables such
+/// that every state of `within` with these values belongs to `set`. None of the values can be left
+/// out. Variables are left out greedily, internal ones first. Returns `None` if `set` is empty.
 fn prime_implicant<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,

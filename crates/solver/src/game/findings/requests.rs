@@ -1,9 +1,10 @@
 //! Finds requests that need not be completed.
 //!
-//! A contract declares a request in one of two ways. It assumes that the request is held until it
-//! is done, `always (R and not D -> next R)`, where D is an output; or it has an output
-//! `turn_executed` or `turn_done` for an input that has a value `turn`. The checked property is
-//! `always eventually (not R or D)`: whether all controllers ensure it, some, or none.
+//! A contract declares a request in one of two ways. Either it assumes that the request is held
+//! until it is done, `always (R and not D -> next R)`, where D is an output. Or it has an output
+//! `turn_executed` or `turn_done` for an input that has a value `turn`. The property that should
+//! hold is `always eventually (not R or D)`. The check determines whether all controllers ensure
+//! it, only some, or none.
 
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
@@ -45,7 +46,8 @@ pub fn uncompleted<K: Kernel>(
         if m.is_false(&m.and(reached, &waiting)?) {
             continue;
         }
-        // Without a play that waits for ever and keeps all justice, every controller completes it.
+        // If no play waits for ever and satisfies all justice, every controller completes the
+        // request.
         if m.is_false(&m.and(reached, &lasting(arena, moves, &waiting)?)?) {
             continue;
         }
@@ -115,7 +117,7 @@ fn declared(specification: &Specification) -> Vec<Request> {
     found
 }
 
-/// Returns R and the output D of a formula `R and not D -> next R`.
+/// Returns R and the output D of a formula `R and not D -> next R`; `None` for any other formula.
 fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
     let Expr::Binary(BinaryOp::Implies, before, after) = expr else {
         return None;

@@ -1,8 +1,8 @@
 //! Finds places where a realizable specification demands less than it seems to.
 //!
-//! Formulas are evaluated on the plays that can occur: those in which the environment keeps its
-//! safety and the machine stays in its winning region, as every controller does. What never occurs
-//! in such a play occurs under no controller.
+//! Formulas are evaluated on the plays that can occur: those in which the environment satisfies its
+//! safety and the machine stays in its winning region, which no correct controller leaves. What
+//! never occurs in such a play occurs under no correct controller.
 
 use super::requests::{self, Request};
 use super::{PartialValuation, prime_implicant};
@@ -223,7 +223,8 @@ impl<'a, K: Kernel> Inspection<'a, K> {
         Ok(found)
     }
 
-    /// Whether the value of a variable affects a function, within the domains.
+    /// Whether the value of a variable affects a function if all variables have values in their
+    /// domains.
     fn affects(&self, function: &K::Function, v: VarId, time: Time) -> Result<bool, Limit> {
         let (m, encoding) = (self.m, &self.arena.encoding);
         let bits = encoding.bit_set([v], time);
@@ -284,8 +285,8 @@ impl<'a, K: Kernel> Inspection<'a, K> {
             let others = arena.outputs_next.iter();
             let others = BitSet::new(others.filter(|bit| !own.contains(*bit)));
             let within = arena.encoding.in_domain(m, v, Time::Next)?;
-            // A situation counts if formulas about the next value of the output never restrict it
-            // there, for any values of the other outputs ...
+            // A situation counts if the formulas about the next value of the output do not restrict
+            // this value there, whatever values the other outputs take ...
             let mut allowed = domains.clone();
             for (_, formula) in &setting {
                 allowed = m.and(&allowed, &self.encode(&formula.expr)?)?;
@@ -313,8 +314,8 @@ impl<'a, K: Kernel> Inspection<'a, K> {
         Ok(found)
     }
 
-    /// Whether the machine still wins if an output keeps its value wherever it is free. If it does
-    /// not, the choice is intended.
+    /// Whether the machine still wins if an output keeps its value wherever it is free. If the
+    /// machine does not win then, the free choice is intended.
     fn wins_framed(&self, v: VarId, free: &K::Function) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut frame = m.or(&m.not(free)?, &arena.encoding.unchanged(m, v)?)?;
@@ -324,7 +325,7 @@ impl<'a, K: Kernel> Inspection<'a, K> {
         self.wins_with(vec![frame])
     }
 
-    /// Whether the machine wins under additional safety.
+    /// Whether the machine wins if it must also satisfy the safety relations `more`.
     fn wins_with(&self, more: Vec<K::Function>) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut parts: Vec<K::Function> = arena.system.parts().cloned().collect();
@@ -338,7 +339,7 @@ impl<'a, K: Kernel> Inspection<'a, K> {
 
     /// Returns a guarantee that in some possible situation allows only a single next value of an
     /// output, different from its current value. A guarantee that only preserves the value does not
-    /// count: where its condition does not hold, the choice is intended.
+    /// count, because the free choice is intended where the guarantee's condition does not hold.
     fn determining_guarantee(
         &self,
         v: VarId,
@@ -400,7 +401,7 @@ pub fn reachable_play<K: Kernel>(
     let target = m.prime(region)?;
     let stays = match arena.timing {
         Timing::Mealy => target,
-        // Only answers that are legal for all inputs.
+        // A machine that moves first can give only answers that are legal for all inputs.
         Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
     };
     let moves = m.and(
@@ -418,6 +419,7 @@ pub fn reachable_play<K: Kernel>(
 }
 
 /// Returns the condition of an implication: P of `P -> Q`, and `P and R` of `P -> (R -> Q)`.
+/// Returns `None` for any other formula.
 pub fn antecedent(expr: &Expr) -> Option<Expr> {
     let Expr::Binary(BinaryOp::Implies, a, b) = expr else {
         return None;

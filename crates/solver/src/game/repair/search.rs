@@ -178,7 +178,7 @@ pub fn weakenings<K: Kernel>(
         if formula(*guarantee).defines || !trials.helps_whole_without(*guarantee, None)? {
             continue;
         }
-        // A formula that mentions a monitor was generated from a guarantee, which can only be left
+        // A formula that mentions a monitor was generated from a guarantee that can only be left
         // out as a whole.
         if trials.mentions_monitor(*guarantee) {
             let name = &formula(*guarantee).name;
@@ -192,8 +192,8 @@ pub fn weakenings<K: Kernel>(
             continue;
         }
         let mut best: Option<Weakening> = None;
-        // Conditions on inputs are preferred: the machine could make an exception about its own
-        // outputs true at will.
+        // Conditions on inputs are preferred, because the machine could satisfy a condition on its
+        // own outputs at will and so evade the guarantee.
         for inputs_only in [true, false] {
             let mut conditions: Vec<Word> = Vec::new();
             for word in words.iter().filter(|w| w.inputs || !inputs_only) {
@@ -245,8 +245,9 @@ pub fn weakenings<K: Kernel>(
     Ok(found)
 }
 
-/// Returns a minimal set of guarantees whose omission makes the specification realizable. Adds
-/// guarantees one after the other, and leaves out each that would make the set unrealizable.
+/// Returns a minimal set of guarantees whose omission makes the specification realizable. Adds the
+/// guarantees one after the other, and leaves out each one that would make the specification
+/// unrealizable.
 pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>, Limit> {
     let (mut kept, demands) = split_definitions(&trials.specification.guarantees);
     let mut left = Vec::new();
@@ -260,8 +261,8 @@ pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>,
     Ok(left)
 }
 
-/// Returns the maximal sets of conditions, of up to [`MAX_CONDITIONS`], for which `helps` holds; it
-/// must hold for the empty set. Equivalent sets can occur.
+/// Returns the maximal sets of up to [`MAX_CONDITIONS`] conditions for which `helps` returns true.
+/// It must return true for the empty set. The result can contain equivalent sets.
 fn weaken<'w>(
     conditions: &[&'w Word],
     helps: &mut impl FnMut(&[&Word]) -> Result<bool, Limit>,
@@ -289,7 +290,7 @@ fn weaken<'w>(
                     next.push(longer);
                 }
             }
-            // A larger set that contains this one may have been found from another condition.
+            // A larger set that contains this one might have been found from another set.
             let covered = next
                 .iter()
                 .any(|longer| chosen.iter().all(|c| longer.contains(c)));

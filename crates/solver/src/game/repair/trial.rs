@@ -19,7 +19,7 @@ pub struct Trials<'a, K: Kernel> {
     core: &'a [GuaranteeRef],
     /// Findings about the original environment.
     environment: EnvironmentFindings,
-    /// The environment's steps, and all steps: the reference sets of the shares.
+    /// The environment's steps, and all steps. Shares are relative to these sets.
     steps: [K::Function; 2],
     games: usize,
 }
@@ -52,7 +52,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
         })
     }
 
-    /// Starts counting games anew, for another kind of repair.
+    /// Resets the number of games, before the search for another kind of repair.
     pub fn reset_games(&mut self) {
         self.games = 0;
     }
@@ -68,7 +68,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
             .formula(self.formulas.kernel(), expr)
     }
 
-    /// Whether one more assumption makes the core realizable. False if the games are exhausted.
+    /// Whether one more assumption makes the core realizable. Returns false once the maximum number
+    /// of games is reached.
     pub fn helps_core(&mut self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
         if self.is_exhausted() {
             return Ok(false);
@@ -78,8 +79,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
         wins(&more, &Selection::Only(self.core))
     }
 
-    /// Whether the core becomes realizable if one of its guarantees need not hold where `unless`
-    /// does, or is left out. False if the games are exhausted.
+    /// Whether the core becomes realizable if `guarantee` need not hold where `unless` holds, or is
+    /// left out if `unless` is `None`. Returns false once the maximum number of games is reached.
     pub fn helps_core_without(
         &mut self,
         guarantee: GuaranteeRef,
@@ -95,8 +96,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
         )
     }
 
-    /// Whether the whole specification becomes realizable if a guarantee need not hold where
-    /// `unless` does, or is left out.
+    /// Whether the whole specification becomes realizable if `guarantee` need not hold where
+    /// `unless` holds, or is left out if `unless` is `None`.
     pub fn helps_whole_without(
         &self,
         guarantee: GuaranteeRef,
@@ -154,8 +155,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
         Ok(!m.is_false(&m.and(&first, &cooperating(&arena)?)?))
     }
 
-    /// Whether a guarantee that need not hold where `unless` does still demands something in a step
-    /// that can occur.
+    /// Whether a guarantee still demands something in a step that can occur, if it need not hold
+    /// where `unless` holds.
     pub fn still_demands(&self, guarantee: GuaranteeRef, unless: &Expr) -> Result<bool, Limit> {
         let m = self.formulas.kernel();
         let formula = guarantee.formula(&self.specification.guarantees);
@@ -163,7 +164,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
         if m.is_false(&m.and_not(&self.steps[1], &weak)?) {
             return Ok(false);
         }
-        // In some step that can occur, the guarantee's condition holds but the exception does not.
+        // Searches for a step that can occur in which the guarantee's condition holds but the
+        // exception does not.
         let less = self.weakened(guarantee, Some(unless))?;
         let arena = less.arena(&Selection::All, SPLIT)?;
         let Some(region) = winning_region(&arena, None, &Iterations::default())? else {

@@ -1,8 +1,8 @@
 //! Collects the vocabulary of repairs: conditions from the user's own formulas, and their
 //! negations.
 //!
-//! Only conditions about a single step are used. For inputs with a small domain, conditions with
-//! the values in the play are added.
+//! Only conditions about a single step are used. For each input with a small domain, conditions of
+//! the form "the input has this value" are added for the values that occur in the play.
 
 use crate::game::attack::Play;
 use linewright_core::gr1::text::is_boolean;
@@ -68,7 +68,8 @@ pub fn words<'f>(
             }
         }
     }
-    // Conditions on internal variables, such as the states of monitors, are not the user's own.
+    // Removes conditions on internal variables, such as the states of monitors, because they are
+    // not the user's own.
     atoms.retain(|atom| {
         variables(atom)
             .iter()
@@ -102,7 +103,8 @@ pub fn negation(expr: Expr) -> Expr {
     }
 }
 
-/// Adds the conditions that an expression combines with connectives, moved to the current step.
+/// Adds to `atoms` the conditions that `expr` combines with connectives. Conditions about the next
+/// step are rewritten to the current step.
 fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
     use BinaryOp as B;
     let truth = |e: &Expr| is_boolean(specification, e);

@@ -8,7 +8,7 @@
 use super::rule_encoder::Steps;
 use crate::symbolic::{Kernel, Limit};
 
-/// Returns the states of `within` from which some infinite run stays within it and meets all of
+/// Returns the states of `within` from which some infinite run stays in `within` and meets all of
 /// `again` infinitely often. Justice can mention next values.
 pub fn fair<K: Kernel>(
     steps: &Steps<K>,
@@ -24,8 +24,9 @@ pub fn fair<K: Kernel>(
 
 /// Returns the states of `within` that have an infinite past in `within` in which all of `again` is
 /// met infinitely often. This set is empty exactly if [`fair`] is empty, since both require a
-/// cycle. It is computed first if no run is expected: forward steps stay within the reachable
-/// states and are far cheaper than backward steps, which also start from unreachable states.
+/// cycle. If no run is expected, this set is computed first, because forward steps stay within the
+/// reachable states. They are far cheaper than backward steps, which also lead to unreachable
+/// states.
 pub fn past<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
@@ -49,7 +50,8 @@ fn fixpoint<K: Kernel>(
     let always = [m.constant(true)];
     let again = if again.is_empty() { &always } else { again };
     let mut z = m.and(&steps.states, within)?;
-    // First restricts the set to infinite runs: this is the cheapest part, and often sufficient.
+    // First restricts the set to infinite runs, because this is the cheapest part and often
+    // sufficient.
     loop {
         let smaller = m.and(&z, &one(&z)?)?;
         if smaller == z {

@@ -1,16 +1,16 @@
 //! Finds runs that a set of rules allows: the basis of every proof about contracts.
 //!
-//! No game is involved. Each query selects its rules, so that leaving out rules shows which of them
-//! a proof needs. Two kinds of queries suffice:
+//! No game is involved. Each query selects the rules that it uses, so a caller can leave out rules
+//! to find out which of them a proof needs. Two kinds of queries suffice:
 //!
 //! - [`Runs::find_lasso`] searches for an infinite run that keeps some rules in every step, meets
 //!   some justice infinitely often, and other justice only finitely often. Language inclusion,
 //!   equivalence and emptiness all reduce to it. The fair states are computed as by Emerson and Lei
 //!   ("Efficient model checking in fragments of the propositional mu-calculus", LICS 1986), within
 //!   the reachable states.
-//! - [`Runs::find_violation`] searches for a step that breaks a rule although all steps before it
-//!   keep their rules, and the step itself keeps some. This is the step of an induction over time,
-//!   which is sound even if components rely on each other in a cycle.
+//! - [`Runs::find_violation`] searches for a step that breaks a rule, although all earlier steps
+//!   keep a given set of rules and the step itself keeps another. This is the induction step of a
+//!   proof over time. Such a proof is sound even if components rely on each other in a cycle.
 
 mod fair;
 mod path;
@@ -178,9 +178,9 @@ impl Runs {
         self.rules.len() - 1
     }
 
-    /// Returns the variables whose values in a step affect which values of `answer` the rules
-    /// `keep` allow in that step, regardless of earlier steps. The variables `own` are set together
-    /// with `answer` and do not count.
+    /// Returns the variables on which the choice of `answer` depends: their values in a step affect
+    /// which values of `answer` the rules `keep` allow in that step, regardless of earlier steps.
+    /// The variables `own` are set together with `answer` and do not count.
     ///
     /// # Errors
     /// Returns the limit that was reached.
@@ -193,9 +193,9 @@ impl Runs {
         self.run_query(|engine, rules| engine.depends(rules, keep, answer, own))
     }
 
-    /// Returns a run with these properties, or `None` if none exists. Neither its prefix nor its
-    /// cycle need be shortest. Variables that no rule of the query mentions have the smallest
-    /// values of their domains.
+    /// Returns a run with these properties, or `None` if none exists. Its prefix and its cycle are
+    /// not always the shortest possible ones. Variables that no rule of the query mentions have the
+    /// smallest values of their domains.
     ///
     /// # Errors
     /// Returns the limit that was reached.
@@ -224,7 +224,7 @@ impl Runs {
     }
 
     /// Returns the number of states reachable under these rules. A state is a valuation of the
-    /// variables that the rules mention. Exact below 2⁵³.
+    /// variables that the rules mention. The number is exact below 2⁵³.
     ///
     /// # Errors
     /// Returns the limit that was reached.
@@ -232,8 +232,8 @@ impl Runs {
         self.run_query(|engine, rules| engine.count(rules, keep))
     }
 
-    /// Switches to the large kernel. Returns whether to repeat the query: not if a large number of
-    /// bits required the large kernel from the start.
+    /// Switches to the large kernel and returns true, so that the query is repeated. Returns false
+    /// if the number of bits required the large kernel from the start.
     fn switch_kernel(&mut self) -> Result<bool, Limit> {
         if self.order.pairs().len() > SMALL_PAIRS {
             return Ok(false);
@@ -306,7 +306,8 @@ fn as_specification(variables: &[Variable], rules: &[Rule]) -> Specification {
     }
 }
 
-/// Returns the smallest value of every variable, for variables that no rule of a query mentions.
+/// Returns the smallest value of every variable. Variables that no rule of a query mentions get
+/// this value.
 fn smallest(variables: &[Variable]) -> Vec<i64> {
     variables.iter().map(|v| Domain::low(&v.domain)).collect()
 }

@@ -1,9 +1,9 @@
 //! Extracts runs as values from sets of states: back along the rings to the start, and around a
 //! cycle that meets all justice.
 //!
-//! The cycle is searched in a component that cannot be left: as long as a fair state reaches fair
-//! states that do not lead back to it, the search moves on to one of them. In the final component,
-//! every state leads back, and every justice is met somewhere.
+//! The cycle is searched for in a component that cannot be left. As long as the current fair state
+//! reaches fair states that do not lead back to it, the search moves on to one of them. In the
+//! final component, every state leads back, and every justice formula is met somewhere.
 
 use super::Lasso;
 use super::rule_encoder::{ReachableStates, Steps};
@@ -51,7 +51,8 @@ impl Path<'_> {
         Ok(state.expect("the set of states is empty; please report this"))
     }
 
-    /// Returns a run from step 0 to a state of `goal`, a nonempty subset of this ring.
+    /// Returns a run from step 0 to a state of `goal`, which is a nonempty subset of the ring with
+    /// the number `ring`.
     pub fn back_to_start<K: Kernel>(
         &self,
         reached: &ReachableStates<K>,
@@ -130,7 +131,8 @@ impl Path<'_> {
         Ok(all)
     }
 
-    /// Returns a run into the fair states with a cycle in them that meets all of `again`.
+    /// Returns a run that leads into the fair states and then follows a cycle within them that
+    /// meets all of `again`.
     pub fn lasso<K: Kernel>(
         &self,
         reached: &ReachableStates<K>,
@@ -181,7 +183,8 @@ impl Path<'_> {
                 let path = self.shortest_path(steps, &at, &component, &from)?;
                 cycle.extend(path.expect("no path to a justice; please report this"));
             }
-            // Adds the step that meets the justice, unless the current values alone meet it.
+            // Adds the step that meets the justice formula, unless the current values alone meet
+            // it.
             let (_, at) = &cycle[cycle.len() - 1];
             let by_state = m.is_false(&m.and_not(at, justice)?);
             if !by_state {

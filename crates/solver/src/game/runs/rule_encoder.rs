@@ -13,10 +13,11 @@ use std::collections::BTreeSet;
 /// How the parts of a relation are combined.
 const CLUSTERING: Clustering = Clustering::ByBits(3_000);
 
-/// Number of rings after which a cycle is first searched before all rings are known.
+/// Number of rings after which the first search for a cycle takes place, before all rings are
+/// known.
 const FIRST_SEARCH: usize = 6;
 
-/// Factor by which the number of rings grows until the next search.
+/// Factor by which the number of rings grows between two searches.
 const SEARCH_FACTOR: usize = 6;
 
 /// Number of cached sets of reachable states.
@@ -76,7 +77,7 @@ struct LassoSearch<K: Kernel> {
     key: Vec<usize>,
     /// Reachable states.
     reached: ReachableStates<K>,
-    /// The steps that meet none of the justice to be met only finitely often.
+    /// The steps that meet none of the justice formulas that are to be met only finitely often.
     steps: Steps<K>,
     /// Justice to be met infinitely often.
     again: Vec<K::Function>,
@@ -197,7 +198,7 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(encoded)
     }
 
-    /// Encodes a formula, restricted to codes that have a value.
+    /// Encodes a formula, restricted to codes that stand for a value.
     fn encode(&self, part: &Expr) -> Result<K::Function, Limit> {
         let mut function = self.encoding.formula(&self.m, part)?;
         let mut mentioned = BTreeSet::new();
@@ -217,7 +218,8 @@ impl<K: Kernel> RuleEncoder<K> {
         self.m.all(&conjuncts)
     }
 
-    /// Returns the valuations that break a rule; also contains codes without a value.
+    /// Returns the valuations that break a rule. The result also contains codes that stand for no
+    /// value.
     fn broken(&mut self, rules: &[Rule], index: usize) -> Result<K::Function, Limit> {
         let function = self.function(rules, index)?;
         self.m.not(&function)
@@ -355,7 +357,7 @@ impl<K: Kernel> RuleEncoder<K> {
                 next_search *= SEARCH_FACTOR;
                 fair = fair::fair(steps, &search.reached.all, again)?;
             } else if !more {
-                // A forward search shows more cheaply that no run exists.
+                // Searches forward first, because that shows more cheaply that no run exists.
                 let past = fair::past(steps, &search.reached.all, again)?;
                 if !m.is_false(&past) {
                     fair = fair::fair(steps, &search.reached.all, again)?;
@@ -419,8 +421,8 @@ impl<K: Kernel> RuleEncoder<K> {
             }
             let matters = |f: &K::Function, time: Time| {
                 let mut bits = self.encoding.bits(v, time);
-                // A cheap first test: the function can depend on a variable only through its
-                // domain.
+                // A cheap first test. It is not exact, because the function can depend on the bits
+                // of a variable only because its domain restricts them.
                 bits.any(|bit| m.depends_on(f, bit))
             };
             let within = |time: Time| self.encoding.in_domain(&m, v, time);
@@ -473,8 +475,8 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(run)
     }
 
-    /// Returns a shortest run to a state that breaks an invariant, if the last step keeps the same
-    /// rules as all others.
+    /// Returns a shortest run to a state that breaks an invariant. Used for queries whose last step
+    /// keeps the same rules as all other steps.
     fn find_state(
         &self,
         variables: &BTreeSet<VarId>,
@@ -498,7 +500,8 @@ impl<K: Kernel> RuleEncoder<K> {
         }
     }
 
-    /// Returns a shortest run whose last step belongs to `last` and breaks a rule of this kind.
+    /// Returns a shortest run whose last step belongs to `last` and breaks the rule, given by its
+    /// kind and the valuations that break it.
     fn find_step(
         &self,
         variables: &BTreeSet<VarId>,
@@ -521,8 +524,8 @@ impl<K: Kernel> RuleEncoder<K> {
                 m.prime(broken)?
             }
         };
-        // Uses the backward relation alone: an invariant that only the last step keeps does not
-        // restrict the states before it.
+        // Uses the backward relation without `last.states`, because an invariant that only the last
+        // step keeps does not restrict the states before that step.
         let from = last.backward.product(m, &bad)?;
         let mut ring = 0;
         loop {
@@ -559,7 +562,8 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(share * 2f64.powi(i32::try_from(bits).unwrap_or(i32::MAX)))
     }
 
-    /// Returns a run to a state of `here`, a subset of this ring, followed by a step of `last`.
+    /// Returns a run to a state of `here`, which is a subset of the ring with the number `ring`,
+    /// followed by a step of `last`.
     fn run_with_last_step(
         &self,
         variables: &BTreeSet<VarId>,

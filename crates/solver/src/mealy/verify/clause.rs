@@ -4,8 +4,8 @@ use std::fmt;
 
 /// A clause in the definition of a correct machine or of a correct counterstrategy.
 ///
-/// The name of a variant describes the violation, its documentation what must hold. Clauses about
-/// formulas of the contract carry the name of a violated formula.
+/// The name of a variant names the violation; its documentation states what must hold. Clauses
+/// about formulas of the contract carry the name of a violated formula.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
     /// The ports equal those of the contract: names, domains and order.
@@ -33,7 +33,7 @@ pub enum Clause {
     /// A counterstrategy has a transition for every answer that keeps the guarantees, or, if the
     /// machine moves first, for every answer.
     Unanswered,
-    /// A counterstrategy has at most one such transition.
+    /// A counterstrategy has at most one transition for each of these answers.
     AnsweredTwice,
     /// A machine keeps every guaranteed initial condition, invariant and safety formula.
     Guarantee(String),

@@ -76,7 +76,7 @@ struct Check<'a> {
     step: Place,
     product: Product,
     pairs: u64,
-    /// Edge whose valuation is searched, once the product is complete.
+    /// Edge whose valuation is searched for, once the product is complete.
     wanted: Option<Edge>,
 }
 
@@ -160,7 +160,8 @@ impl<'a> Check<'a> {
             .or_else(|| lists.any(Vec::is_empty).then_some(Clause::NoTransition))
     }
 
-    /// Builds the product; returns the first violation other than of liveness.
+    /// Builds the product. Returns the first violation, except violations of liveness, which
+    /// [`Self::liveness`] finds.
     fn explore(&mut self) -> Result<Option<ClauseViolation>, Limit> {
         while let Some(current) = self.product.next() {
             let transitions = self.machine.transitions(self.product.node(current).0);
@@ -180,7 +181,8 @@ impl<'a> Check<'a> {
     }
 
     /// Groups the transitions of a node by the environment's values. If the environment moves
-    /// first, all transitions have the same values and form one group; otherwise each is a group.
+    /// first, all transitions have the same values and form one group; otherwise each transition is
+    /// a group of its own.
     fn groups(&self, node: usize) -> Vec<&'a [Transition]> {
         let transitions = self.machine.transitions(self.product.node(node).0);
         match self.specification.timing {
@@ -209,7 +211,7 @@ impl<'a> Check<'a> {
                 *id = self.pool.fix(*id, key(v.index(), Time::Next), value);
             }
         }
-        // A formula of the environment that every answer breaks.
+        // Checks whether every answer breaks the same formula of the environment.
         for (index, id) in formulas[..self.rules[0]].iter().enumerate() {
             if self.pool.value(*id) == Some(0) {
                 let name = self.names[index].clone();
@@ -235,7 +237,7 @@ impl<'a> Check<'a> {
         depth: usize,
         place: Place,
     ) -> Result<Option<Clause>, Limit> {
-        // If the machine moves first, other groups have the transitions for other answers.
+        // If the machine moves first, the transitions for other answers are in other groups.
         let elsewhere = self.specification.timing == Timing::Moore;
         if place == self.broken || elsewhere && answers.letter.candidates(depth).is_empty() {
             return Ok(None);
@@ -299,7 +301,7 @@ impl<'a> Check<'a> {
         let to = (transition.to, context);
         let edge = self.product.edge(answers.node, next, &label, to);
         if self.wanted == Some(edge) {
-            // Any value stops the enumeration here.
+            // Any clause would do: it only stops the enumeration.
             return Ok(Some(Clause::MachineWins));
         }
         if answers.edges.last() != Some(&edge) {
@@ -308,7 +310,7 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Checks that every answer has exactly one transition; for a machine that moves first.
+    /// Checks that every answer has exactly one transition. Used if the machine moves first.
     fn check_all_answered(
         &mut self,
         node: usize,
@@ -319,8 +321,8 @@ impl<'a> Check<'a> {
         Ok(wrong.map(|clause| (node, letter.next, clause)))
     }
 
-    /// Searches for an answer that starts with the `depth` chosen values and satisfies no cube, or
-    /// several.
+    /// Searches for an answer that starts with the `depth` chosen values and satisfies either no
+    /// cube or several cubes.
     fn gap(&mut self, letter: &mut Letter<'a>, depth: usize) -> Result<Option<Clause>, Limit> {
         let here = letter.candidates(depth);
         if here.is_empty() {

@@ -5,8 +5,9 @@ use super::product::Edge;
 use crate::game::{Limit, Limits};
 use std::collections::{HashMap, VecDeque};
 
-/// Returns a cycle of `bad` edges on which every assumption, given by index, is `fair` on some
-/// edge; as edges with their source nodes.
+/// Returns a cycle of edges whose labels are `bad`, as edges with their source nodes. For every
+/// assumption, given by index, the cycle has an edge whose label is `fair`. Returns `None` if there
+/// is no such cycle.
 pub fn fair_cycle(
     edges: &[Vec<Edge>],
     assumptions: usize,

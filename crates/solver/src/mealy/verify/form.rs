@@ -52,9 +52,9 @@ pub(super) fn malformed(
     None
 }
 
-/// The formulas of a specification as conditions on the next step: initial conditions, invariants
-/// and safety of the environment, those of the machine, then the justice of both. Formulas about a
-/// single step refer to the next step.
+/// The formulas of a specification as conditions on the next step. They come in this order: initial
+/// conditions, invariants and safety of the environment; the same of the machine; the justice of
+/// both. Formulas about a single step refer to the next step.
 pub(super) struct Rules {
     /// Conditions on step 0, where safety and justice do not apply.
     pub(super) start: Vec<Id>,

@@ -1,16 +1,16 @@
-//! A *letter*, that is, a valuation of the variables that guards test, chosen variable by variable,
-//! and the transitions whose guards it can still satisfy.
+//! A *letter* is a valuation of the variables that guards test. It is chosen variable by variable,
+//! and comes with the transitions whose guards it can still satisfy.
 
 use crate::mealy::{Cube, Transition};
 use linewright_core::gr1::{Specification, VarId};
 
-/// A valuation of the next step in which the first variables tested by guards are chosen. All other
-/// variables have the smallest value of their domains.
+/// A valuation of the next step. Of the variables that guards test, the first few have chosen
+/// values. All other variables have the smallest value of their domains.
 #[derive(Debug)]
 pub(super) struct Letter<'a> {
     transitions: &'a [Transition],
-    /// For each number of chosen variables, the cubes that they can still satisfy, each with the
-    /// index of its transition.
+    /// For each number of chosen variables, the cubes that the letter can still satisfy, each with
+    /// the index of its transition.
     candidates: Vec<Vec<(usize, &'a Cube)>>,
     /// The valuation.
     pub(super) next: Vec<i64>,
@@ -48,7 +48,7 @@ impl<'a> Letter<'a> {
         }
     }
 
-    /// Chooses a value of the variable that follows `chosen` others.
+    /// Chooses the value of `variable`, after the values of the first `chosen` variables.
     pub(super) fn choose(&mut self, chosen: usize, variable: VarId, value: i64) {
         self.next[variable.index()] = value;
         let (before, after) = self.candidates.split_at_mut(chosen + 1);
@@ -59,7 +59,8 @@ impl<'a> Letter<'a> {
         }));
     }
 
-    /// Returns the cubes that the first `chosen` variables can still satisfy.
+    /// Returns the cubes that the letter can still satisfy after the choice of the first `chosen`
+    /// variables, each with the index of its transition.
     pub(super) fn candidates(&self, chosen: usize) -> &[(usize, &'a Cube)] {
         &self.candidates[chosen]
     }

@@ -8,8 +8,9 @@
 //! branch is cut as soon as an assumption is known to be broken.
 //!
 //! Justice: if the machine breaks goal `j`, some play never satisfies `j` from some step on and yet
-//! meets every assumption infinitely often. That is a strongly connected component of the graph
-//! without the transitions that satisfy `j`, in which every justice assumption is met (`fair.rs`).
+//! meets every assumption infinitely often. Such a play exists exactly if the graph without the
+//! transitions that satisfy `j` has a strongly connected component in which every justice
+//! assumption is met (`fair.rs`).
 
 mod clause;
 mod counter;
@@ -33,7 +34,7 @@ use residual::{Id, Place, Pool, Tree, key};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Maximum number of examined pairs of a node and an input valuation.
+/// Maximum number of pairs of a node and an input valuation that are examined.
 pub const MAX_PAIRS: u64 = 50_000_000;
 
 /// A violation by a machine or counterstrategy, with a play that shows it.
@@ -43,14 +44,14 @@ pub struct Violation {
     pub clause: Clause,
     /// The valuations of all variables, step by step, up to the violation. If the machine has no
     /// transition, or several, the outputs of the last step are the smallest values of their
-    /// domains. Empty if the form is wrong.
+    /// domains. Empty if the form of the machine is wrong.
     pub trace: Vec<Vec<i64>>,
     /// For a violation of justice, the index of the step to which the play returns for ever.
     pub repeats_from: Option<usize>,
 }
 
 /// Checks a machine. `Ok(Ok(()))` means that the machine keeps its contract. Above [`MAX_PAIRS`] or
-/// [`Limits::max_nodes`] examined pairs, the check gives up with [`Limit::Size`].
+/// [`Limits::max_nodes`] examined pairs, the check ends with [`Limit::Size`].
 pub fn verify(
     specification: &Specification,
     machine: &Machine,
@@ -71,9 +72,9 @@ pub fn verify(
     check.justice()
 }
 
-/// The remaining formulas of a node, by purpose; they mention only next values.
+/// The remaining formulas of a node, grouped by purpose. They mention only next values.
 struct Context {
-    /// Place in `legal` at which the enumeration of legal inputs starts.
+    /// Place in [`Check::legal`] at which the enumeration of legal inputs starts.
     legal: Place,
     /// The remaining guarantees, with their indices among the names.
     guarantees: Vec<(Id, usize)>,
@@ -89,11 +90,12 @@ struct Check<'a> {
     pool: Pool,
     inputs: Vec<VarId>,
     outputs: Vec<VarId>,
-    /// Tree that asks for current values, outputs first.
+    /// Tree that tests current values, outputs first.
     contexts: Tree,
-    /// Tree that asks for next inputs.
+    /// Tree that tests next inputs.
     legal: Tree,
-    /// Number of the environment's formulas in a context, without justice; they come first.
+    /// Number of the environment's formulas in a context, without justice. These formulas come
+    /// first.
     assumptions: usize,
     guarantee_names: Vec<String>,
     known: HashMap<Place, Rc<Context>>,
@@ -183,7 +185,8 @@ impl<'a> Check<'a> {
         context
     }
 
-    /// Builds the product; returns the first violation other than of justice.
+    /// Builds the product. Returns the first violation, except violations of justice, which
+    /// [`Self::justice`] finds.
     fn explore(&mut self) -> Result<Option<Violation>, Limit> {
         while let Some(current) = self.product.next() {
             let context = self.context(self.product.node(current).1);
@@ -222,8 +225,9 @@ impl<'a> Check<'a> {
     }
 
     /// Calls `visit` with the machine's transition and the valuation of the next step, for all next
-    /// inputs that keep the assumptions. Stops at the first violated clause, from `visit` or
-    /// because the number of transitions is not one, and returns the clause with the valuation.
+    /// inputs that keep the assumptions. Stops at the first violated clause and returns it with the
+    /// valuation. Either `visit` returns the clause, or the number of transitions for an input is
+    /// not one.
     fn letters(
         &mut self,
         node: usize,
@@ -328,7 +332,7 @@ impl<'a> Check<'a> {
             let same = justice.all(|(i, id)| {
                 check.product.satisfies(edge.label, i) == (check.pool.eval(*id, next) != 0)
             });
-            // Any value stops the enumeration here.
+            // Any clause would do: it only stops the enumeration.
             (same && target == (Some(transition.to), place)).then_some(Clause::MissingTransition)
         })?;
         Ok(found.map(|(_, next)| next).unwrap_or_default())

@@ -24,8 +24,8 @@ struct Node {
     from: Option<(usize, Vec<i64>)>,
 }
 
-/// The nodes reached so far, and the steps from the examined ones. Node 0 is the start of every
-/// play.
+/// The nodes reached so far, and the steps from those nodes that have been examined. Node 0 is the
+/// start of every play.
 #[derive(Debug)]
 pub(super) struct Product {
     nodes: Vec<Node>,
@@ -59,7 +59,8 @@ impl Product {
         (next < self.nodes.len()).then_some(next)
     }
 
-    /// Stores the steps from the node that [`Self::next`] returned, which is examined then.
+    /// Stores the steps from the node that [`Self::next`] returned. The node then counts as
+    /// examined.
     pub(super) fn close(&mut self, mut edges: Vec<Edge>) {
         edges.sort_unstable();
         edges.dedup();

@@ -1,9 +1,9 @@
 //! Residuals: the formulas that remain when the values of some variables are known.
 //!
-//! A [`Pool`] shares expressions; fixing a variable simplifies them. A [`Tree`] asks for the values
-//! of variables one after the other, but only of those that the remaining formulas mention. Two
-//! valuations that leave the same formulas lead to the same place in the tree; the formulas cannot
-//! distinguish them. No diagrams of the solver are involved.
+//! A [`Pool`] shares expressions; fixing a variable simplifies them. A [`Tree`] tests the values of
+//! variables one after the other, but only of variables that the remaining formulas mention. Two
+//! valuations that leave the same formulas lead to the same place in the tree, because the formulas
+//! cannot distinguish these valuations. No diagrams of the solver are involved.
 
 use linewright_core::gr1::eval;
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
@@ -55,7 +55,7 @@ pub type Id = u32;
 /// value.
 pub type Key = u32;
 
-/// Returns the key of a variable at a time.
+/// Returns the key of `variable` at the given time.
 pub fn key(variable: usize, time: Time) -> Key {
     2 * variable as u32 + u32::from(time == Time::Next)
 }
@@ -119,8 +119,8 @@ impl Pool {
         &self.keys[id as usize]
     }
 
-    /// Adds an expression. `time` maps the time of every variable as written to the time of its
-    /// key.
+    /// Adds an expression. `time` maps the time of a variable in `expr` to the time of its key in
+    /// the pool.
     pub fn add(&mut self, expr: &Expr, time: &impl Fn(Time) -> Time) -> Id {
         match expr {
             Expr::Const(c) => self.constant(*c),
@@ -237,19 +237,20 @@ pub type Place = u32;
 struct Branch {
     /// The remaining formulas.
     formulas: Rc<[Id]>,
-    /// Index in [`Tree::order`] of the key to ask for next; `None` if the formulas mention none of
-    /// them.
+    /// Index in [`Tree::order`] of the key that is tested next; `None` if the formulas mention no
+    /// key of the order.
     question: Option<u32>,
     /// Children by value of the key, from the smallest value; [`UNKNOWN`] until computed.
     children: Vec<Place>,
 }
 
-/// Lists of formulas, with their residuals as variables become known.
+/// A tree of formula lists: each level holds what remains of the formulas once the value of one
+/// more variable is known.
 #[derive(Debug)]
 pub struct Tree {
-    /// Keys in the order of asking, with the smallest and largest value.
+    /// Keys in the order in which they are tested, each with its smallest and largest value.
     order: Vec<(Key, i64, i64)>,
-    /// Index in `order` of each key; [`NEVER`] if it is not asked for.
+    /// Index in `order` of each key; [`NEVER`] if the tree does not test the key.
     ranks: Vec<u32>,
     /// Whether the lists are conjunctions. If so, true formulas are dropped, and a false formula
     /// replaces the whole list.
@@ -261,11 +262,12 @@ pub struct Tree {
 /// Marks a child that is not computed yet.
 const UNKNOWN: Place = u32::MAX;
 
-/// Rank of a key that the tree does not ask for.
+/// Rank of a key that the tree does not test.
 const NEVER: u32 = u32::MAX;
 
 impl Tree {
-    /// Creates a tree that asks for these keys, in this order; with smallest and largest values.
+    /// Creates a tree that tests these keys in this order, each given with its smallest and largest
+    /// value.
     pub fn new(order: Vec<(Key, i64, i64)>) -> Self {
         let ends = order.iter().map(|(k, ..)| *k as usize + 1);
         let mut ranks = vec![NEVER; ends.max().unwrap_or_default()];
@@ -316,12 +318,13 @@ impl Tree {
         &self.branches[place as usize].formulas
     }
 
-    /// Returns the key to ask for at a place, as an index into the order.
+    /// Returns the key that is tested at a place, as an index into the order; `None` if no key is
+    /// tested there.
     pub fn question(&self, place: Place) -> Option<usize> {
         self.branches[place as usize].question.map(|q| q as usize)
     }
 
-    /// Returns the place after the key asked for at `place` has this value.
+    /// Returns the place to which this value of the key that is tested at `place` leads.
     pub fn answer(&mut self, pool: &mut Pool, place: Place, value: i64) -> Place {
         let branch = &self.branches[place as usize];
         let Some(question) = branch.question else {
@@ -343,8 +346,8 @@ impl Tree {
         child
     }
 
-    /// Returns the place after the key with index `rank` in the order has this value; `place`
-    /// itself if it does not ask for that key.
+    /// Returns the place to which this value of the key with index `rank` in the order leads;
+    /// `place` itself if that key is not tested there.
     pub fn follow(&mut self, pool: &mut Pool, place: Place, rank: usize, value: i64) -> Place {
         if self.question(place) == Some(rank) {
             self.answer(pool, place, value)
