@@ -923,13 +923,12 @@ line L {{
         (file("", keeps), "LW301"),
         (file("grip = 3", keeps), "LW103"),
         (file(bound, "always (next grip)"), "LW203"),
-        (file(bound, keeps), ""),
+        (file(bound, keeps), "LW306"),
     ] {
         std::fs::write(folder.path().join("line.lw"), text).expect("a file");
         let output = linewright(folder.path(), &["check", "line.lw", "--format", "json"]);
         let document: Value = serde_json::from_slice(&output.stdout).expect("a document");
-        let verdict = if code.is_empty() { "valid" } else { "invalid" };
-        assert_eq!(document["lines"][0]["verdict"], verdict, "{document:#}");
+        assert_eq!(document["lines"][0]["verdict"], "invalid", "{document:#}");
         assert!(document.to_string().contains(code), "{document:#}");
     }
 }

@@ -3,9 +3,9 @@
 //!
 //! Little of SimTalk is public: `loadLibrary`, `callLibrary`, `freeLibrary`, `@` for the part, `?`
 //! for the station, and `?.Failed := true` (Spellini et al. 2021, Listing 2). The methods use as
-//! few other built-ins as possible, and list those that they assume. Unlike that listing, the
-//! methods load the library once, when the model starts, create one instance per station, pass
-//! every argument that an export reads, and check for every negative code.
+//! few other built-ins as possible, and list those that they assume. Unlike Listing 2, the methods
+//! load the library once, when the model starts, create one instance per station, pass every
+//! argument that an export reads, and check for every negative code.
 //!
 //! Names that the user has to create begin with `LW_`, so that they do not clash with an existing
 //! attribute of a station or part.
@@ -68,7 +68,8 @@ pub fn literal(value: &Value) -> String {
     }
 }
 
-/// Puts a text in quotes. Names in contracts contain no quotes; others become apostrophes.
+/// Puts a text in quotes. Names in contracts contain no quotes; quotes in other texts become
+/// apostrophes.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "'"))
 }
@@ -188,7 +189,7 @@ struct Page<'a> {
     operations: String,
     parameters: Vec<AttributeRow<'a>>,
     part_properties: Vec<AttributeRow<'a>>,
-    /// Number of the step after the attributes.
+    /// Number of the first instruction after those about attributes.
     step: usize,
     contract_hash: &'a str,
 }
@@ -247,7 +248,7 @@ impl Writer<'_> {
         )
     }
 
-    /// `0 turn, 1 hold`; empty without operations.
+    /// Lists the operations: `0 turn, 1 hold`. Empty if there are no operations.
     fn operations(&self) -> String {
         let operations: Vec<String> = self
             .machine

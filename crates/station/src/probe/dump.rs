@@ -1,7 +1,7 @@
 //! Parses a probe's dump.
 //!
-//! A dump consists of lines of words. A header begins a session, for each time the library was
-//! loaded; then follow calls, each with its end:
+//! A dump consists of lines of words. Each time the library is loaded, it writes a header, which
+//! begins a session. The calls of the session follow; each call ends with an `end` line:
 //!
 //! ```text
 //! linewright-probe 1
@@ -16,8 +16,9 @@
 //! end lw_probe_integer_1
 //! ```
 //!
-//! The text is untrusted: any content gives findings instead of a failure, and parsing needs memory
-//! in proportion to the text. A last call without its end was cut off and is ignored.
+//! The text is untrusted. Unexpected content gives findings and never makes parsing fail, and the
+//! memory use is proportional to the length of the text. If the last call has no `end` line, the
+//! dump was cut off there, and the call is ignored.
 
 use super::Value;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -68,8 +69,8 @@ impl Record {
     }
 }
 
-/// Parses a dump: returns its last session with calls, and findings about the text. If a finding is
-/// an error, the session must not be used.
+/// Parses a dump: returns the last session that contains calls, and findings about the text. If a
+/// finding is an error, the session must not be used.
 pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
     let mut reader = Reader {
         file,

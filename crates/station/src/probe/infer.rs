@@ -1,11 +1,14 @@
 //! Infers the layout of `UF_Value` from a probe's dump.
 //!
-//! Each answer must explain all observations: the value is at the offset where every call with a
-//! number shows this number, and every call with a text the pointer to it; the size of an argument
-//! is the distance from one value to the next; the width of
-//! an integer is the number of bytes that match the number, including its sign; the tag is at the
-//! offset at which the bytes differ between kinds and agree within each kind. Open questions are
-//! reported, with advice. Finally, the complete layout must explain every call.
+//! Each answer must explain all observations:
+//!
+//! - The value is at the offset at which every call with a number shows this number, and every call
+//! with a text shows a pointer to this text.
+//! - The size of an argument is the distance from one value to the next.
+//! - The width of an integer is the number of bytes that match the number, including its sign.
+//! - The tag is at the offset at which the bytes differ between kinds and agree within each kind.
+//!
+//! Open questions are reported, with advice. Finally, the complete layout must explain every call.
 
 use super::dump::{Dump, Record};
 use super::texts::{encoding, reads};
@@ -79,7 +82,7 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
         strings,
         tag,
     };
-    // Changed texts are already reported; all other arguments must match.
+    // Texts that the host changed are already reported, so only the other arguments must match.
     let mismatch = dump
         .calls
         .iter()
@@ -117,13 +120,13 @@ fn judge(dump: &Dump, text: &str) -> Result<Profile, Vec<Diagnostic>> {
             Diagnostic::error(
                 codes::LAYOUT_REFUTED,
                 start,
-                format!("the dump contains no complete call of `{CONFIRM_EXPORT}`: the host passed back no returned values"),
+                format!("the dump contains no complete call of `{CONFIRM_EXPORT}`: the host did not pass the returned values back"),
             )
             .with_help("run the SimTalk method of the second round to its end; if the host crashes in it, the layout is wrong: delete the profile, and run `linewright doctor --probe` on the first dump again"),
         ]);
     }
-    // The texts of the first round can have been changed when they were pasted into the method; the
-    // library's own texts cannot.
+    // The texts of the first round might have been changed when they were pasted into the method.
+    // The texts that the library itself returned cannot have been changed.
     let misfits: Vec<Diagnostic> = dump
         .calls
         .iter()
@@ -232,7 +235,7 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
 pub(super) struct Slot<'d> {
     pub(super) value: &'d Value,
     bytes: &'d [u8],
-    /// The call, and the offset of this argument in its bytes.
+    /// The call, and the offset of this argument in the bytes at `arg`.
     pub(super) record: &'d Record,
     pub(super) base: usize,
 }
@@ -373,8 +376,8 @@ fn number(bytes: &[u8], offset: usize, width: usize) -> Option<u64> {
     Some(u64::from_le_bytes(wide))
 }
 
-/// Infers the width of the tag that begins at `start` and has at least `needed` bytes, and its
-/// number for each kind. `others` are further possible offsets.
+/// Infers the width of the tag that begins at `start` and has at least `needed` bytes, and the
+/// tag's number for each kind. `others` are further possible offsets.
 #[expect(
     clippy::too_many_arguments,
     reason = "all evidence for one question is passed"
@@ -400,7 +403,8 @@ fn wide(
             && (start + needed..start + w).all(zero)
     };
     let mut widths: Vec<usize> = [1, 2, 4, 8].into_iter().filter(possible).collect();
-    // The value or the end follows the tag as closely as the packing allows.
+    // The tag is followed by the value, or by the end of the argument, as closely as the packing
+    // allows.
     let closes = |w: &usize| {
         let next = (start + w).next_multiple_of(packing);
         next == if start < value { value } else { size }
@@ -408,7 +412,8 @@ fn wide(
     if widths.iter().any(closes) {
         widths.retain(closes);
     }
-    // Whether the host leaves unused bytes unchanged: then it wrote bytes that are always 0.
+    // Whether the host leaves unused bytes unchanged. If it does, it must have written the bytes
+    // that are always 0, so they belong to the tag.
     let widest = widths.last().copied().unwrap_or(needed);
     let idle = |s: &Slot<'_>| {
         let outside = (0..size).any(|o| {
@@ -419,7 +424,8 @@ fn wide(
             Value::Boolean(_) => value + 4,
             _ => end,
         };
-        // When the probe reads `ret`, it has not returned a value yet.
+        // The probe reads `ret` before it returns a value, so the bytes of the value there are
+        // unused.
         let answer = s.record.ret.get(value..end);
         let set = |bytes: &[u8]| bytes.iter().any(|b| *b != 0);
         outside || set(&s.bytes[used..end]) || answer.is_some_and(set)
@@ -533,8 +539,8 @@ fn holds(record: &Record, offset: usize, value: &Value) -> bool {
     }
 }
 
-/// Checks that a layout explains the bytes of a call; with `texts`, including texts that are not
-/// ASCII.
+/// Checks that a layout explains the bytes of a call. Texts that are not ASCII are checked only if
+/// `texts` is true.
 fn explain(layout: &Layout, record: &Record, texts: bool) -> Result<(), Box<Diagnostic>> {
     let size = layout.size as usize;
     for (i, value) in record.values() {

@@ -7,9 +7,9 @@
 //!
 //! The calls determine the layout. Real numbers with distinctive bytes show the offset of the
 //! value; several real numbers in one call show the distance between arguments. Integers of both
-//! signs and all sizes show the width of an integer: beyond it, the bytes do not continue the
-//! number. The tag is at the offset at which the bytes differ between kinds and agree within each
-//! kind. Texts with umlauts and a euro sign show the string encoding.
+//! signs and all sizes show the width of an integer: the bytes after that width do not belong to
+//! the number. The tag is at the offset at which the bytes differ between kinds and agree within
+//! each kind. Texts with umlauts and a euro sign show the string encoding.
 
 pub mod dump;
 pub mod infer;

@@ -1,4 +1,4 @@
-//! Determines the string encoding of a host: the one that explains the texts in the dump.
+//! Determines the string encoding of a host: the encoding that explains the texts in the dump.
 
 use super::Value;
 use super::infer::{Confidence, Fact, Slot};

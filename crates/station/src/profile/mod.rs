@@ -1,11 +1,11 @@
-//! The assumed layout of `UF_Value`, the arguments that Plant Simulation passes to a library: a
-//! *profile*.
+//! A *profile*: the assumed layout of `UF_Value`, the C structure in which Plant Simulation passes
+//! arguments to a library.
 //!
 //! The vendor's header is not public, so the layout is a build setting. A profile is a small TOML
 //! file ([`read`]) that becomes a C header of a package ([`header`]); the probe (`station::probe`)
-//! determines it. A profile is *verified* only if the program in which it was found has read back
-//! values that a library returned with exactly this layout: [`Profile::confirmed`] then holds the
-//! layout's fingerprint, so a layout that is edited later does not count as verified.
+//! determines the layout. A profile is *verified* only if the program in which it was found has
+//! read back values that a library returned with exactly this layout: [`Profile::confirmed`] then
+//! holds the layout's fingerprint, so a layout that is edited later does not count as verified.
 
 pub mod header;
 mod print;

@@ -376,7 +376,8 @@ impl Reader {
             );
             return None;
         }
-        // Messages show the name before "(unverified)".
+        // Messages show the name next to "(verified)" or "(unverified)", so the name must not
+        // contain such a word.
         if key == "name" && value.to_lowercase().contains("verified") {
             self.report(
                 text.span(),

@@ -1,14 +1,15 @@
 //! Checks a machine's assumptions before its transitions.
 //!
-//! A machine's guards were simplified with inputs that the assumptions exclude, so it also has
-//! transitions for some of these inputs. A step therefore first evaluates the contract's
-//! assumptions one after the other; the first violated one refuses the step, and the error names
-//! it. For this, the block keeps inputs of the previous step.
+//! When a machine's guards were simplified, inputs that the assumptions exclude were treated as
+//! don't-cares, so the machine also has transitions for some of these inputs. A step therefore
+//! first evaluates the contract's assumptions one after the other. If an assumption is violated,
+//! the step is refused, and the error names the first such assumption. For assumptions about two
+//! steps, the block stores inputs of the previous step.
 //!
 //! Every assumption can be expressed in the standard. An assumption whose condition would be longer
-//! than [`MAX_CONDITION_CHARS`](super::expression::MAX_CONDITION_CHARS) is not checked: of the
-//! inputs that break it, only those without a transition are refused, and the error does not name
-//! it.
+//! than [`MAX_CONDITION_CHARS`](super::expression::MAX_CONDITION_CHARS) is not checked. Inputs that
+//! break it are then refused only if they have no transition, and the error does not name the
+//! assumption.
 
 use super::Variable;
 use super::expression::Translator;

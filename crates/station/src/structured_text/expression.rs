@@ -34,7 +34,8 @@ impl Translator<'_> {
         })
     }
 
-    /// If a truth value or its negation is a conjunction or disjunction, its operands and operator.
+    /// Returns the operands and the operator of a truth value or of its negation, if that is a
+    /// conjunction or a disjunction. The operands are `None` if one of them would be too long.
     fn connected(&self, expr: &Expr, negate: bool) -> Option<(Option<Vec<String>>, &'static str)> {
         let signs = [(true, " AND "), (false, " OR ")];
         let mut found = signs.into_iter().filter_map(|(and, sign)| {
@@ -291,7 +292,8 @@ fn is_arithmetic(op: BinaryOp) -> bool {
 }
 
 /// Splits a truth value or its negation into the operands of a conjunction, or of a disjunction if
-/// `conjunction` is false, from left to right; with each operand, whether it is negated.
+/// `conjunction` is false. Returns the operands from left to right, each with whether it is
+/// negated.
 fn operands(expr: &Expr, negate: bool, conjunction: bool) -> Vec<(&Expr, bool)> {
     use BinaryOp as B;
     let mut found = Vec::new();

@@ -1,4 +1,5 @@
-//! Emits a controller as functions: a table of decisions with shared parts, which a loop evaluates.
+//! Emits a controller that consists of functions: a table of decisions with shared parts, which a
+//! loop evaluates.
 //!
 //! A block cannot call itself and should not need other blocks, so the loop is repeated in each of
 //! the four places that evaluate a function: assumptions, modes, outputs, goals.
@@ -246,7 +247,8 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
         &tables.goal_mode,
         &tables.output_signal,
     ];
-    // Indices and edges have the same type, which also holds the index after a table's last row.
+    // Indices and edges have the same type, which must also hold the index after a table's last
+    // row.
     let rows = all.iter().map(|t| match t.kind {
         Type::Array(_, last, _) => Width::of(0, last + 1),
         _ => Width::Lint,
@@ -333,7 +335,7 @@ fn step(
     let get = |table: &Variable, place: &str| {
         element(table).convert(index, &format!("{}[{place}]", table.name))
     };
-    // Evaluates the function whose edge is in row `place` of a table.
+    // Statements that evaluate the function whose edge is in row `place` of a table.
     let evaluate = |table: &Variable, place: &str, levels: usize| {
         let node = format!("{edge} / 2");
         let statements = render(

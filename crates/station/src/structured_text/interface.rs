@@ -41,7 +41,7 @@ pub(super) struct Interface<'a> {
     own: BlockVariables,
     /// Type of the errors.
     errors: Enumeration,
-    /// Error of each assumption, by its name.
+    /// Error of each assumption, by the assumption's name.
     assumption_errors: BTreeMap<String, String>,
     /// Error for a value outside its domain, for each input that is not Boolean.
     domain_errors: Vec<Option<String>>,

@@ -90,7 +90,7 @@ fn choice(
         }
         let _ = writeln!(done, "{state} := {};", transition.to);
         let Some(guard) = condition(&interface.inputs, machine, &transition.guard) else {
-            // A guard that always holds is the only one: the guards of a state are disjoint.
+            // The guards of a state are disjoint, so a guard that always holds is the only one.
             return done;
         };
         let word = if out.is_empty() { "IF" } else { "ELSIF" };

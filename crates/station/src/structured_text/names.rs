@@ -81,7 +81,7 @@ pub(crate) fn part(name: &str) -> String {
     }
 }
 
-/// Converts a name to the beginning of an identifier, which does not begin with a digit.
+/// Converts a name to the beginning of an identifier. The result does not begin with a digit.
 pub(crate) fn stem(name: &str) -> String {
     let word = part(name);
     if word.starts_with(|c: char| c.is_ascii_digit()) {
@@ -134,7 +134,8 @@ pub(crate) fn comment(text: &str) -> String {
         c => c,
     };
     let text: String = text.chars().map(visible).collect();
-    // `(*)` holds both, overlapping.
+    // `(*)` contains both marks, overlapping. The second replacement also breaks the mark that the
+    // first one leaves.
     text.replace("*)", "* )").replace("(*", "( *")
 }
 
