@@ -1,12 +1,12 @@
 /* A machine as an FMI co-simulation unit: the code that FMI 2 and FMI 3 share.
  *
  * `fmi2.c` and `fmi3.c` define `lw_fmi_host` (an instance's data about its host) and `lw_fmi_log`,
- * and include this file. An instance is one of runtime.c: the pointer that the host holds is its
- * handle, so a pointer that was never issued, or whose instance was freed, is recognized. A table
- * parallel to the slots holds the data that the unit adds.
+ * and include this file. An instance of a unit is an instance of runtime.c. The pointer that the
+ * host holds is the handle of the instance, so a pointer that was never issued, or whose instance
+ * was freed, is recognized. A table parallel to the slots holds the data that the unit adds.
  *
  * A communication step is an integer number of machine steps. An operation begins in the first
- * machine step, and in the step after each one that ended an operation; only then are the
+ * machine step, and in each machine step after the end of an operation. Only then are the
  * properties read, as in `lw_simulate`. If `enabled` is false, the machine stays in its state. The
  * machine steps of one communication step are made on a copy, so a failed communication step
  * changes only the verdict.
@@ -47,8 +47,8 @@ typedef struct lw_fmi_unit {
 
 /* ---- The machine's steps --------------------------------------------------------------------- */
 
-/* Begins an operation, like `lw_perform` before its first step. A machine without operations does
- * this before each of its steps, and keeps its totals. */
+/* Begins an operation, like `lw_perform` before its first step. In a machine without operations,
+ * this function is called before each step and does not reset the totals. */
 static int32_t lw_fmi_begin(const lw_state *state, lw_fmi_unit *unit, lw_error *error)
 {
     int64_t value = 0;
@@ -161,8 +161,8 @@ static int64_t lw_fmi_wire_value(const lw_slot *slot, int wire)
 /* ---- Calls ----------------------------------------------------------------------------------- */
 
 /* Status values that both versions of FMI share. A failed step returns Error, "could not be carried
- * out at all": Discard would mean that a part of the step was carried out, and hosts would retry
- * shorter steps repeatedly. */
+ * out at all", because Discard would mean that a part of the step was carried out, and hosts would
+ * retry shorter steps repeatedly. */
 enum { LW_FMI_OK = 0, LW_FMI_ERROR = 3 };
 
 /* Phases of an instance. */
@@ -171,8 +171,8 @@ enum { LW_FMI_INSTANTIATED = 1, LW_FMI_INITIALIZING = 2, LW_FMI_STEPPING = 4, LW
 static lw_fmi_unit lw_fmi_units[LW_SLOTS];
 static lw_fmi_host lw_fmi_hosts[LW_SLOTS];
 
-/* A call on an instance, which stays locked until `lw_fmi_leave`. The host receives a text only
- * after that, because its logger can itself call the unit. */
+/* A call on an instance, which stays locked until `lw_fmi_leave`. Texts are sent to the host only
+ * after that, because the host's logger can itself call the unit. */
 typedef struct lw_fmi_call {
     const char *function;
     lw_slot *slot;
@@ -218,8 +218,8 @@ static void lw_fmi_refuse(lw_fmi_call *call, const char *text)
     lw_fmi_append(call, text);
 }
 
-/* Locks the instance of a pointer. Returns 0 if there is none, or if the call is not allowed in its
- * phase. */
+/* Locks the instance of a pointer. Returns 0 if there is no such instance, or if the call is not
+ * allowed in the instance's phase. */
 static int lw_fmi_enter(lw_fmi_call *call, const void *instance, int phases, const char *function)
 {
     intptr_t number = (intptr_t)instance;
@@ -348,8 +348,8 @@ static double lw_fmi_now(const lw_fmi_unit *unit)
     return unit->began + (double)unit->ticks * LW_STEP_SECONDS;
 }
 
-/* Makes a communication step. The host sums up points in time, so they are compared with a
- * tolerance of half a machine step. The communication step size must be an integer number of
+/* Makes a communication step. The host computes points in time by summation, so they are compared
+ * with a tolerance of half a machine step. The communication step size must be an integer number of
  * machine steps, within a millionth of a step. */
 static void lw_fmi_step(lw_fmi_call *call, double at, double size)
 {
@@ -383,7 +383,7 @@ static void lw_fmi_step(lw_fmi_call *call, double at, double size)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* A value in the machine's numbers. */
+/* A value in the machine's numbering. */
 typedef struct lw_fmi_value {
     double real;   /* the value of a real variable */
     int64_t whole; /* the value of any other variable */
@@ -630,7 +630,7 @@ static int lw_fmi_is_saved(const lw_fmi_saved *saved)
            && saved->sum == lw_fmi_sum(saved);
 }
 
-/* Saves the state into `*place`; overwrites the state that is already there. */
+/* Saves the state into `*place`, and overwrites a state that is already there. */
 static void lw_fmi_get_state(lw_fmi_call *call, void **place)
 {
     lw_fmi_saved *saved;

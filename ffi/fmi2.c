@@ -79,7 +79,7 @@ LW_FMI_EXPORT const char *LW_FMI2(fmi2GetVersion)(void)
     return "2.0";
 }
 
-/* Has no effect on messages: only rejected calls are logged, and always. */
+/* Has no effect: rejected calls are always logged, and nothing else is logged. */
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean on, size_t count,
                                                       const fmi2String categories[])
 {
@@ -226,7 +226,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetBoolean)(fmi2Component c, const fmi2Valu
     return lw_fmi2_get(c, references, count, values, LW_FMI2_BOOLEAN, "fmi2GetBoolean");
 }
 
-/* No variable has this type: only an empty list is valid. */
+/* Reads or writes variables of a type that no variable has, so only an empty list is valid. */
 static fmi2Status lw_fmi2_none(fmi2Component c, size_t count, const fmi2ValueReference *references, const char *function)
 {
     lw_fmi_call call;

@@ -1,8 +1,8 @@
 /* The FMI 3.0 co-simulation interface of a machine.
  *
  * Types, constants and signatures are those of the standard; only those that the functions below
- * use are declared. The standard requires every function of all three kinds of units; those of the
- * other kinds return an error. To link several units into one program, define
+ * use are declared. The standard requires every function of all three kinds of units; the functions
+ * of the other two kinds return an error. To link several units into one program, define
  * `FMI3_FUNCTION_PREFIX`, a prefix of the functions' names. */
 #include <stdbool.h>
 #include <stddef.h>
@@ -64,7 +64,7 @@ LW_FMI_EXPORT const char *LW_FMI3(fmi3GetVersion)(void)
     return "3.0";
 }
 
-/* Has no effect on messages: only rejected calls are logged, and always. */
+/* Has no effect: rejected calls are always logged, and nothing else is logged. */
 LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean on, size_t count,
                                                       const fmi3String categories[])
 {
@@ -282,7 +282,7 @@ LW_FMI3_WHOLE(Int32, int32_t, 1U << LW_FMI_INTEGER)
 LW_FMI3_WHOLE(Int64, int64_t, (1U << LW_FMI_LONG) | (1U << LW_FMI_ENUMERATION))
 LW_FMI3_WHOLE(Boolean, fmi3Boolean, 1U << LW_FMI_BOOLEAN)
 
-/* No variable has this type: only an empty list is valid. */
+/* Reads or writes variables of a type that no variable has, so only an empty list is valid. */
 static fmi3Status lw_fmi3_none(fmi3Instance instance, size_t count, const fmi3ValueReference *references,
                                const char *function)
 {

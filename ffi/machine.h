@@ -28,8 +28,9 @@
  * stored instances. Computations use int64_t. */
 typedef LW_NUMBER lw_number;
 
-/* A decision: `at_most` follows if the variable (an input of the component) is at most `bound`,
- * else `above`. Both are the number of another split, or -1 - n for leaf n. */
+/* A decision. It continues at `at_most` if the variable (an input of the component) is at most
+ * `bound`, and otherwise at `above`. Each of the two is the number of another split, or -1 - n for
+ * leaf n. */
 typedef struct lw_split {
     int variable;
     int at_most;
@@ -90,7 +91,7 @@ typedef struct lw_goal {
     uint32_t reached;
 } lw_goal;
 
-/* Besides the values of the previous step, functions keep only the pursued goal between two steps:
+/* Besides the values of the previous step, functions store only the pursued goal between two steps:
  * place 0 is before step 0, place g + 1 is goal g. */
 typedef struct lw_functions {
     const lw_node *nodes;
@@ -143,8 +144,8 @@ typedef struct lw_wire {
     const char *const *labels;
 } lw_wire;
 
-/* An input of a component whose binding could leave its domain; `value` is its index among the
- * component's variables. */
+/* An input of a component whose binding could have a value outside the input's domain. `value` is
+ * the index of the input among the component's variables. */
 typedef struct lw_input {
     const char *name;
     const char *domain;
@@ -173,14 +174,15 @@ typedef struct lw_component {
     const lw_leaf *leaves;
     const lw_number *answers; /* rows of `outputs` values */
     const int *first_answer;  /* of a Moore component: its row of answers in each place, or -1 */
-    const lw_functions *functions; /* instead of the five above, or null */
+    const lw_functions *functions; /* used instead of the five fields above, or null */
     void (*bind)(const int64_t *values, int64_t *current);
     lw_side assumptions;
     lw_side guarantees;
     /* Stores `step` in `held` for each justice assumption that holds; null if there are none. */
     void (*justice)(const int64_t *previous, const int64_t *current, int earlier, int64_t step, int64_t *held);
     int first_justice;
-    /* Null for the coordinator. */
+    /* For an action: when it is active, its time and its power. The functions are null for other
+     * components. */
     int (*active)(const int64_t *values);
     int time;
     lw_real *seconds;

@@ -93,7 +93,8 @@ static lw_slot *lw_instance_argument(const UF_Value *arg, int32_t *code)
 LW_EXPORT void instantiate(UF_Value *ret, UF_Value *arg)
 {
     (void)arg;
-    /* Without a place for its handle, an instance could never be destroyed. */
+    /* No instance is created without a place for its handle, because it could never be
+     * destroyed. */
     if (ret != NULL) {
         lw_give_integer(ret, lw_create());
     }
@@ -153,7 +154,7 @@ static int lw_text_of(const UF_Value *arg, char *text)
 {
     const void *pointer = lw_uf_kind_of(&arg[1]) == LW_UF_IS_STRING ? lw_uf_pointer_of(&arg[1]) : NULL;
     if (pointer != NULL) {
-        /* A string that has to be cut is longer than any name. */
+        /* A string that has to be cut is longer than any name, so it matches none. */
         (void)lw_uf_decode(pointer, text, LW_TEXT_SIZE);
     }
     return pointer != NULL;
@@ -210,7 +211,7 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     lw_lock_give(&slot->lock);
 }
 
-/* A result as a number, and as text if the text is more than the number. */
+/* A result as a number, and also as a text if the text is not just that number. */
 typedef struct lw_result {
     double value;
     int whole;         /* whether it is an integer: then `number` holds it */
@@ -403,7 +404,7 @@ LW_EXPORT void station_describe(UF_Value *ret, UF_Value *arg)
 #if LW_UF_ENCODING == LW_UF_UTF_8
     lw_give_string(ret, lw_description);
 #else
-    /* No encoding has more units than UTF-8. */
+    /* No encoding has more units than UTF-8, so this buffer is large enough. */
     static lw_uf_unit description[sizeof lw_description];
     lw_lock_take(&lw_table_lock);
     if (description[0] == 0) {

@@ -8,8 +8,8 @@
  * then it also returns values (the lw_confirm_... exports) and receives them back as arguments.
  *
  * The host does not pass the number of arguments, so the number of readable bytes after `arg` is
- * unknown. The probe therefore lets the system copy the bytes, which reports an error for
- * unreadable memory: on Windows with ReadProcessMemory, page by page and only if VirtualQuery
+ * unknown. The probe therefore lets the system copy the bytes, because the system reports an error
+ * for unreadable memory: on Windows with ReadProcessMemory, page by page and only if VirtualQuery
  * reports a readable page (a guard page must not be accessed); elsewhere with write() into a pipe,
  * which every sandbox allows. The probe reads at most LW_PROBE_ARGUMENT bytes for each argument and
  * for one more.
@@ -82,7 +82,8 @@ static size_t lw_probe_copy(uintptr_t from, unsigned char *to, size_t size)
         return 0;
     }
 #if defined(__linux__)
-    /* Not through write(): a sanitizer in the host would check the bytes first. */
+    /* The system call is made directly, because a sanitizer in the host would check the bytes that
+     * are passed to write(). */
     long written = syscall(SYS_write, ends[1], from, size);
 #else
     ssize_t written = write(ends[1], (const void *)from, size);

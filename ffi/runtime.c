@@ -67,8 +67,9 @@ static uint64_t lw_entropy(void)
 /* A handle consists of 10 bits of the machine's mark, 11 bits of generation and 10 bits of place. A
  * place whose generations are used up is not reused. A model can hold handles that were saved in
  * another process, or before the library was reloaded; such a handle must not reach an instance.
- * Generation and place therefore begin at other numbers each time the library is loaded: an old
- * handle equals that of a given new instance with a probability of one in two million. */
+ * Generation and place therefore begin at other numbers each time the library is loaded: the
+ * probability that an old handle equals the handle of a given new instance is one in two
+ * million. */
 #define LW_SLOTS 1024
 #define LW_GENERATIONS 2047
 
@@ -200,7 +201,7 @@ static lw_slot *lw_lock_instance(lw_handle handle)
     return NULL;
 }
 
-/* Does the same, and records the library's error if there is no instance. */
+/* Like `lw_lock_instance`, but also records the library's error if there is no instance. */
 static lw_slot *lw_require_instance(lw_handle handle)
 {
     lw_slot *slot = lw_lock_instance(handle);

@@ -6,12 +6,12 @@
  *
  * Handles.  `lw_create` returns the handle of a new instance, a number above 0 that fits 31 bits.
  * It contains a mark of the library and a generation, so that functions return LW_ERROR_HANDLE for
- * the handle of another machine, of a destroyed instance, and for one that was never issued.
- * Handles begin at another number each time the library is loaded: the chance that a handle from an
- * earlier load is valid is one in two million for each existing instance. There are 1023 marks, so
- * two machines have the same mark with a probability of one in a thousand. Two copies of one
- * library file have separate instances but the same mark: load the library from one path only. A
- * library holds up to 1024 instances at a time.
+ * a handle of another machine, for a handle of a destroyed instance, and for a handle that was
+ * never issued. Handles begin at another number each time the library is loaded: the chance that a
+ * handle from an earlier load is valid is one in two million for each existing instance. There are
+ * 1023 marks, so two machines have the same mark with a probability of one in a thousand. Two
+ * copies of one library file have separate instances but the same mark: load the library from one
+ * path only. A library holds up to 1024 instances at a time.
  *
  * Errors.  Every function that can fail returns a negative code; `lw_last_error` then returns a
  * text that describes the error. A failed call leaves the instance unchanged, except for
@@ -22,7 +22,7 @@
  * share that text. The library stores one text for the last call without a valid handle, which all
  * threads share. `lw_last_error` copies the text, so it does not change while a host reads it.
  *
- * Memory.  The library allocates no memory, and keeps none of the pointers that it receives. */
+ * Memory.  The library allocates no memory, and stores none of the pointers that it receives. */
 #ifndef LW_STATION_H
 #define LW_STATION_H
 
@@ -111,7 +111,7 @@ LW_EXPORT int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_c
 
 /* Runs the operation with this index to its end: abstracts the properties, makes steps until the
  * coordinator reports the end, and writes the new properties back. `service` receives the cost; it
- * can be null. An error leaves both unchanged. */
+ * can be null. An error leaves `properties` and `service` unchanged. */
 LW_EXPORT int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, size_t property_count,
                               lw_service *service);
 
@@ -120,8 +120,8 @@ LW_EXPORT int32_t lw_simulate(lw_handle handle, int32_t operation, double *prope
  * last call without a valid handle. */
 LW_EXPORT int32_t lw_last_error(lw_handle handle, char *text, size_t size);
 
-/* Does the same for the name of the broken rule, component first (`turn: gripped`); the text is
- * empty if no rule caused the error. */
+/* Copies the name of the broken rule in the same way, component first (`turn: gripped`). The text
+ * is empty if no rule caused the error. */
 LW_EXPORT int32_t lw_last_rule(lw_handle handle, char *text, size_t size);
 
 #ifdef __cplusplus

@@ -4,8 +4,8 @@
  * `lw_component_table`, `lw_plant_table`, `lw_operation_table`, `lw_justice_table`,
  * `lw_property_names`, `lw_property_ranges`, `machine_done` and `machine_write`. The semantics of a
  * step and an operation, and the order of the checks, are documented in
- * `crates/station/src/interpret.rs`; the two are tested against each other. This file does not
- * depend on instances, threads or the platform. */
+ * `crates/station/src/interpret.rs`; the two implementations are tested against each other. This
+ * file does not depend on instances, threads or the platform. */
 #include "machine.h"
 
 #include <string.h>
@@ -269,7 +269,7 @@ static void lw_shift(const lw_functions *functions, const int64_t *previous, con
     }
 }
 
-/* Follows a walk, which sets output bits; they must be 0 before. */
+/* Follows a walk, which sets output bits. These bits must be 0 beforehand. */
 static void lw_walk(const lw_node *walk, uint32_t place, const int64_t *const *values, int64_t *const *results)
 {
     while (place > 0U) {
@@ -355,8 +355,8 @@ LW_INLINE int lw_respond(const lw_component *component, int place, const int64_t
     return leaf->to;
 }
 
-/* Sets the outputs of a Moore component before its inputs are known. Returns 0 if it has no outputs
- * in its place. */
+/* Sets the outputs of a Moore component before its inputs are known. Returns 0 if the component has
+ * no outputs in its current place. */
 LW_INLINE int lw_respond_first(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
 #ifdef LW_MAX_SHIFTED
@@ -417,7 +417,7 @@ LW_INLINE int32_t lw_answer_first(int index, const lw_state *before, lw_state *a
     int64_t *current = &after->values[component->first_value];
     if (!lw_respond_first(component, before->place[index], previous, current)) {
         /* A verified table has a row for every input that keeps the assumptions, so no input keeps
-         * them. */
+         * them in this place. */
         return lw_fail_name(error, LW_ERROR_ASSUMPTION, "", component->name,
                             ": its assumptions contradict each other here: no inputs keep them");
     }
@@ -610,8 +610,8 @@ static int32_t lw_write_properties(const double *properties, const int64_t *valu
     return LW_OK;
 }
 
-/* Runs an operation from `state`. `state` changes only if the operation ends, or is reset at the
- * step limit. `after` receives the properties. */
+/* Runs an operation from `state`. `state` changes only if the operation ends, or if the state is
+ * reset at the step limit. `after` receives the properties. */
 static int32_t lw_perform(lw_state *state, int32_t operation, const double *properties, double *after,
                           lw_service *service, lw_error *error)
 {

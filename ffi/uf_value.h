@@ -187,7 +187,7 @@ LW_UF_MAY_BE_UNUSED static int lw_uf_number_of(const UF_Value *value, double *nu
     }
 }
 
-/* Returns an integer to the host, or a real number if it is too large for the profile's
+/* Returns an integer to the host, or a real number if the integer is too large for the profile's
  * integers. */
 LW_UF_MAY_BE_UNUSED static void lw_uf_give_integer(UF_Value *ret, int64_t number)
 {

@@ -11,8 +11,8 @@ use crate::engine::controller::ExtractionOptions;
 use crate::engine::files;
 use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, InternalError, Jobs, Verdict};
-use crate::game::{self, GuaranteeKind, GuaranteeRef, Limits};
-use crate::gr1::Specification;
+use crate::game::{self, GuaranteeRef, Limits};
+use crate::gr1::{FormulaKind, Specification};
 use crate::mealy::{counter, verify::verify_counterstrategy};
 use crate::play::{Effect, Opponent, Session};
 use anyhow::Context as _;
@@ -197,10 +197,10 @@ fn opponent(
 fn restrict_to_core(specification: &Specification, core: &[String]) -> Specification {
     let side = &specification.guarantees;
     let lists = [
-        (GuaranteeKind::Initial, &side.initial),
-        (GuaranteeKind::Invariant, &side.invariants),
-        (GuaranteeKind::Safety, &side.safety),
-        (GuaranteeKind::Justice, &side.justice),
+        (FormulaKind::Initial, &side.initial),
+        (FormulaKind::Invariant, &side.invariants),
+        (FormulaKind::Safety, &side.safety),
+        (FormulaKind::Justice, &side.justice),
     ];
     let mut kept = Vec::new();
     for (kind, list) in lists {

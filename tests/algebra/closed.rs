@@ -9,12 +9,12 @@ use brute::{Brute, Found};
 use linewright::algebra::closed::{ClosedComposition, FailureKind, Verdict, replay};
 use linewright::algebra::machine::{COMPLETES, of_machine};
 use linewright::algebra::proof::{self, DischargeRule};
-use linewright::algebra::system::{ContractSide, FormulaRef, list};
+use linewright::algebra::system::{ContractSide, FormulaRef};
 use linewright::contract;
 use linewright::contract::machine::Machine;
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::game::{self, Limits, Outcome, RuleKind};
-use linewright::gr1::Domain;
+use linewright::game::{self, Limits, Outcome};
+use linewright::gr1::{Domain, FormulaKind};
 use linewright::mealy::{self, Cube, Guard, Test, Transition, extract::extract};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -35,11 +35,11 @@ fn shown(closed: &ClosedComposition<'_>, verdict: &Verdict) -> Found {
         assert_eq!(replay::check_open(closed, open), Ok(()));
         let at = open.what;
         if let Some(part) = at.component {
-            let formula = &list(&closed.system.components[part].assumptions, at.kind)[at.index];
+            let formula = &closed.system.components[part].assumptions.list(at.kind)[at.index];
             found.open.insert((part, formula.name.clone()));
             continue;
         }
-        let formula = &list(&closed.claim.goal, at.kind)[at.index];
+        let formula = &closed.claim.goal.list(at.kind)[at.index];
         if formula.name == COMPLETES {
             found.completes = false;
         } else {
@@ -321,7 +321,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         let unmet = FormulaRef {
             component: Some(component),
             half: ContractSide::Assumptions,
-            kind: RuleKind::Justice,
+            kind: FormulaKind::Justice,
             index: index.expect("it is assumed"),
         };
         let is_it = |at: &FormulaRef| *at == unmet;
@@ -335,10 +335,9 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
             let met = proof.discharges.iter().find(|d| is_it(&d.what));
             assert_eq!(met, None, "{text}");
             assert!(proof.open.iter().any(|o| is_it(&o.what)), "{text}");
-            let handed_on = proof
-                .discharges
-                .iter()
-                .filter(|d| d.rule == DischargeRule::Exported && d.what.kind == RuleKind::Justice);
+            let handed_on = proof.discharges.iter().filter(|d| {
+                d.rule == DischargeRule::Exported && d.what.kind == FormulaKind::Justice
+            });
             assert_eq!(handed_on.count(), 0, "{text}");
         }
         let idle: Vec<mealy::Controller> = (0..machine.components.len())

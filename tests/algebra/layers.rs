@@ -7,11 +7,11 @@ use crate::support::root;
 use linewright::algebra::machine::{of_machine, of_refined_contract};
 use linewright::algebra::proof::{Claim, Proof, prove, prove_stepwise};
 use linewright::algebra::replay;
-use linewright::algebra::system::{ContractSide, System, list};
+use linewright::algebra::system::{ContractSide, System};
 use linewright::contract;
 use linewright::contract::machine::{Machine, Role};
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::game::{Limits, RuleKind};
+use linewright::game::Limits;
 use linewright::gr1::Side;
 use std::path::Path;
 use std::sync::Arc;
@@ -224,14 +224,8 @@ fn without_a_promise_that_a_table_names_the_proof_fails() {
         for at in named {
             let mut less = system.clone();
             let part = &mut less.components[at.component.expect("a part")];
-            let formula = list(&part.guarantees, at.kind)[at.index].name.clone();
-            let list = match at.kind {
-                RuleKind::Initial => &mut part.guarantees.initial,
-                RuleKind::Invariant => &mut part.guarantees.invariants,
-                RuleKind::Safety => &mut part.guarantees.safety,
-                RuleKind::Justice => &mut part.guarantees.justice,
-            };
-            list.remove(at.index);
+            let formula = part.guarantees.list(at.kind)[at.index].name.clone();
+            part.guarantees.list_mut(at.kind).remove(at.index);
             let again = proved(&less, &claim);
             assert!(!again.holds(), "{} does not need {formula}", machine.name);
             assert!(!again.open.is_empty());

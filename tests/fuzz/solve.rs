@@ -7,10 +7,10 @@ mod game;
 
 use game::{Board, Subset};
 use linewright::game::{
-    EnvironmentFindings, GuaranteeKind, GuaranteeRef, KernelChoice, Limit, Limits, LostGame,
-    Options, Outcome, WonGame, examine_environment, solve_with,
+    EnvironmentFindings, GuaranteeRef, KernelChoice, Limit, Limits, LostGame, Options, Outcome,
+    WonGame, examine_environment, solve_with,
 };
-use linewright::gr1::{Formula, Specification};
+use linewright::gr1::{Formula, FormulaKind, Specification};
 use linewright::mealy::certify::certify;
 use linewright::mealy::extract::extract;
 use linewright::mealy::functions::Functions;
@@ -147,7 +147,7 @@ fn core(
 /// The specification with only these guarantees.
 fn only(specification: &Specification, core: &[GuaranteeRef]) -> Specification {
     let mut only = specification.clone();
-    let keep = |kind: GuaranteeKind, formulas: &mut Vec<Formula>| {
+    let keep = |kind: FormulaKind, formulas: &mut Vec<Formula>| {
         let mut index = 0;
         formulas.retain(|_| {
             index += 1;
@@ -156,10 +156,10 @@ fn only(specification: &Specification, core: &[GuaranteeRef]) -> Specification {
         });
     };
     let guarantees = &mut only.guarantees;
-    keep(GuaranteeKind::Initial, &mut guarantees.initial);
-    keep(GuaranteeKind::Invariant, &mut guarantees.invariants);
-    keep(GuaranteeKind::Safety, &mut guarantees.safety);
-    keep(GuaranteeKind::Justice, &mut guarantees.justice);
+    keep(FormulaKind::Initial, &mut guarantees.initial);
+    keep(FormulaKind::Invariant, &mut guarantees.invariants);
+    keep(FormulaKind::Safety, &mut guarantees.safety);
+    keep(FormulaKind::Justice, &mut guarantees.justice);
     only
 }
 

@@ -1,9 +1,9 @@
 //! The naive solver: all valuations, all pairs of valuations, sets as bits of a word, the fixpoint
 //! as in the textbook.
 
-use linewright::game::{GuaranteeKind, GuaranteeRef};
+use linewright::game::GuaranteeRef;
 use linewright::gr1::{
-    BinaryOp, Domain, Expr, Formula, Owner, Specification, Time, Timing, UnaryOp,
+    BinaryOp, Domain, Expr, Formula, FormulaKind, Owner, Specification, Time, Timing, UnaryOp,
 };
 
 /// A set of valuations.
@@ -165,7 +165,7 @@ impl<'a> Board<'a> {
     }
 
     pub fn rules(&self, subset: &Subset<'_>) -> Rules {
-        let chosen = |kind: GuaranteeKind, list: &[Relation]| -> Vec<Relation> {
+        let chosen = |kind: FormulaKind, list: &[Relation]| -> Vec<Relation> {
             let list = list.iter().enumerate();
             list.filter(|(index, _)| match subset {
                 Subset::All => true,
@@ -177,10 +177,10 @@ impl<'a> Board<'a> {
             .map(|(_, r)| r.clone())
             .collect()
         };
-        let invariants = chosen(GuaranteeKind::Invariant, &self.guaranteed.invariants);
-        let initial = chosen(GuaranteeKind::Initial, &self.guaranteed.initial);
-        let safety = chosen(GuaranteeKind::Safety, &self.guaranteed.safety);
-        let goals = chosen(GuaranteeKind::Justice, &self.guaranteed.justice);
+        let invariants = chosen(FormulaKind::Invariant, &self.guaranteed.invariants);
+        let initial = chosen(FormulaKind::Initial, &self.guaranteed.initial);
+        let safety = chosen(FormulaKind::Safety, &self.guaranteed.safety);
+        let goals = chosen(FormulaKind::Justice, &self.guaranteed.justice);
         let env_always = self.satisfying(&self.assumed.invariants);
         let sys_always = self.satisfying(&invariants);
         let conjunction = |list: &[Relation], always: Set| -> Relation {

@@ -10,11 +10,12 @@
 
 use super::machine::of_machine;
 use super::proof::Claim;
-use super::system::{Component, ContractSide, FormulaRef, System, formulas};
-use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Timing, VarId, Variable};
+use super::system::{Component, ContractSide, FormulaRef, System};
+use linewright_core::gr1::{
+    Domain, Expr, Formula, FormulaKind, Owner, Side, Timing, VarId, Variable,
+};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, PlantSource, PropertyKind, RealExpr};
-use linewright_solver::game::RuleKind;
 
 /// A machine with its caller, and the claim about it.
 #[derive(Debug, Clone)]
@@ -175,7 +176,7 @@ fn operation_assumptions(
 ) -> (Vec<FormulaRef>, Vec<FormulaRef>) {
     let (mut found, mut uncertain) = (Vec::new(), Vec::new());
     for (place, component) in system.components.iter().enumerate() {
-        for (kind, index, formula) in formulas(&component.assumptions) {
+        for (kind, index, formula) in component.assumptions.formulas() {
             let (mut mentions_operation, mut is_uncertain) = (false, false);
             formula.expr.for_each_var(&mut |v, _| {
                 mentions_operation |= v == operation;
@@ -187,7 +188,7 @@ fn operation_assumptions(
                 kind,
                 index,
             };
-            if mentions_operation && kind != RuleKind::Justice {
+            if mentions_operation && kind != FormulaKind::Justice {
                 found.push(at);
                 if is_uncertain {
                     uncertain.push(at);

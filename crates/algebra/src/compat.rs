@@ -18,13 +18,13 @@
 mod between;
 
 use super::proof::{Refutation, last_step, latest};
-use super::system::{Component, KINDS, System, formulas, list, list_mut, rule};
+use super::system::{Component, System, rule};
 use linewright_core::gr1::{
-    Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
+    Domain, Expr, Formula, FormulaKind, Owner, Side, Specification, Timing, VarId, Variable,
 };
 use linewright_core::source::Span;
 use linewright_solver::game::{
-    self, Ending, Lasso, Limit, Limits, Outcome, PlayEnd, RuleKind, Runs, SafetyViolationQuery,
+    self, Ending, Lasso, Limit, Limits, Outcome, PlayEnd, Runs, SafetyViolationQuery,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -96,7 +96,7 @@ fn is_monitor(system: &System, v: VarId) -> bool {
     let place = system.variables[v.index()].span;
     let sides = system.components.iter().map(|p| &p.definitions);
     sides
-        .flat_map(formulas)
+        .flat_map(Side::formulas)
         .any(|(_, _, f)| f.span.contains(place))
 }
 
@@ -171,7 +171,10 @@ impl<'s> Game<'s> {
         let violated = self.add(owner, Domain::Bool);
         let violated_before = self.add(owner, Domain::Bool);
         let guaranteed = |kind| requirement(self.system, &|p| &p.guarantees, kind);
-        let (first, later) = (guaranteed(RuleKind::Initial), guaranteed(RuleKind::Safety));
+        let (first, later) = (
+            guaranteed(FormulaKind::Initial),
+            guaranteed(FormulaKind::Safety),
+        );
         let rules = Side {
             initial: vec![
                 auxiliary(Expr::now(violated_before).not()),
@@ -187,9 +190,9 @@ impl<'s> Game<'s> {
     }
 
     /// Replaces the expression of each assumption that the environment has to keep.
-    fn rewrite(&mut self, put: impl Fn(RuleKind, &Formula) -> Expr) {
-        for kind in KINDS {
-            for f in list_mut(&mut self.specification.guarantees, kind) {
+    fn rewrite(&mut self, put: impl Fn(FormulaKind, &Formula) -> Expr) {
+        for kind in FormulaKind::ALL {
+            for f in self.specification.guarantees.list_mut(kind) {
                 f.expr = put(kind, f);
             }
         }
@@ -214,11 +217,11 @@ fn environment_first(system: &System) -> Specification {
     let named = game.copies(answers.filter(driven).collect(), Owner::System);
     let (violated, violated_before, rules) = game.add_violation_tracking(Owner::Environment);
     game.rewrite(|kind, f| {
-        if kind == RuleKind::Justice {
+        if kind == FormulaKind::Justice {
             return f.expr.clone().or(Expr::now(violated));
         }
         let time = last_step(kind);
-        let defined = definitions().flat_map(|side| list(side, kind));
+        let defined = definitions().flat_map(|side| side.list(kind));
         let defined = defined.fold(f.expr.clone(), |all, d| all.and(d.expr.clone()));
         let answered = Expr::Var(violated, time).or(f.expr.clone());
         answered.and(Expr::Var(violated_before, time).or(with_copies(&defined, kind, &named)))
@@ -250,12 +253,18 @@ fn environment_last(system: &System) -> Specification {
     let is_blind = read.is_empty();
     let named = game.copies(read, Owner::Environment);
     for component in &system.components {
-        for kind in [RuleKind::Initial, RuleKind::Invariant, RuleKind::Safety] {
-            let also = list(&component.definitions, kind)
+        for kind in [
+            FormulaKind::Initial,
+            FormulaKind::Invariant,
+            FormulaKind::Safety,
+        ] {
+            let also = component
+                .definitions
+                .list(kind)
                 .iter()
                 .filter(|_| monitored);
-            for f in list(&component.guarantees, kind).iter().chain(also) {
-                list_mut(&mut game.specification.assumptions, kind).push(Formula {
+            for f in component.guarantees.list(kind).iter().chain(also) {
+                game.specification.assumptions.list_mut(kind).push(Formula {
                     expr: with_copies(&f.expr, kind, &named),
                     ..f.clone()
                 });
@@ -265,15 +274,18 @@ fn environment_last(system: &System) -> Specification {
     if !is_blind {
         let (violated, violated_before, rules) = game.add_violation_tracking(Owner::System);
         game.rewrite(|kind, f| match kind {
-            RuleKind::Justice => f.expr.clone().or(Expr::now(violated)),
+            FormulaKind::Justice => f.expr.clone().or(Expr::now(violated)),
             _ => Expr::Var(violated_before, last_step(kind)).or(f.expr.clone()),
         });
         extend(&mut game.specification.guarantees, &rules);
     }
-    for kind in KINDS {
-        let defining = definitions.iter().flat_map(|side| list(side, kind));
+    for kind in FormulaKind::ALL {
+        let defining = definitions.iter().flat_map(|side| side.list(kind));
         let defining = defining.map(|f| auxiliary(f.expr.clone()));
-        list_mut(&mut game.specification.guarantees, kind).extend(defining);
+        game.specification
+            .guarantees
+            .list_mut(kind)
+            .extend(defining);
     }
     game.specification
 }
@@ -281,14 +293,14 @@ fn environment_last(system: &System) -> Specification {
 /// Returns the variables that a side's formulas read in the last step that they constrain, without
 /// justice.
 fn of_last_step(side: &Side) -> BTreeSet<VarId> {
-    formulas(side)
-        .filter(|(kind, ..)| *kind != RuleKind::Justice)
+    side.formulas()
+        .filter(|(kind, ..)| *kind != FormulaKind::Justice)
         .flat_map(|(kind, _, f)| latest(&f.expr, kind))
         .collect()
 }
 
 /// Replaces variables by their copies in the last step that a formula constrains.
-fn with_copies(expr: &Expr, kind: RuleKind, copies: &BTreeMap<VarId, VarId>) -> Expr {
+fn with_copies(expr: &Expr, kind: FormulaKind, copies: &BTreeMap<VarId, VarId>) -> Expr {
     expr.substitute(&mut |v, time| {
         let copy = copies.get(&v).filter(|_| time == last_step(kind));
         Expr::Var(copy.copied().unwrap_or(v), time)
@@ -296,8 +308,8 @@ fn with_copies(expr: &Expr, kind: RuleKind, copies: &BTreeMap<VarId, VarId>) -> 
 }
 
 fn extend(side: &mut Side, more: &Side) {
-    for kind in KINDS {
-        list_mut(side, kind).extend(list(more, kind).iter().cloned());
+    for kind in FormulaKind::ALL {
+        side.list_mut(kind).extend(more.list(kind).iter().cloned());
     }
 }
 
@@ -361,8 +373,8 @@ fn violating_step(
     limits: &Limits,
 ) -> Option<Vec<i64>> {
     let kind = match state {
-        None => RuleKind::Initial,
-        Some(_) => RuleKind::Safety,
+        None => FormulaKind::Initial,
+        Some(_) => FormulaKind::Safety,
     };
     let required = |pick: &dyn Fn(&Component) -> &Side| requirement(system, pick, kind);
     let mut kept = required(&|p| &p.guarantees).and(required(&|p| &p.definitions));
@@ -380,7 +392,7 @@ fn violating_step(
         let values = (0..).map(VarId).zip(state);
         let here = values.map(|(v, value)| Expr::now(v).equals(Expr::Const(*value)));
         rules.push(rule(
-            RuleKind::Initial,
+            FormulaKind::Initial,
             &here.fold(Expr::Const(1), Expr::and),
         ));
     }
@@ -398,10 +410,10 @@ fn violating_step(
 
 /// Returns the conjunction of what one side of all components requires of step 0 (`Initial`) or of
 /// a later step (`Safety`), including invariants.
-fn requirement(system: &System, pick: &dyn Fn(&Component) -> &Side, kind: RuleKind) -> Expr {
+fn requirement(system: &System, pick: &dyn Fn(&Component) -> &Side, kind: FormulaKind) -> Expr {
     let mut all = Expr::Const(1);
     for side in system.components.iter().map(pick) {
-        for f in list(side, kind) {
+        for f in side.list(kind) {
             all = all.and(f.expr.clone());
         }
         for f in &side.invariants {

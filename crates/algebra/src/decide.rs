@@ -7,10 +7,10 @@
 //! to [`Runs`], and a run that is found is a lasso.
 
 use super::contract::{Contract, RunSet};
-use super::system::{ContractSide, System, formulas, rule};
-use linewright_core::gr1::{Domain, Expr, Owner, Side, Time, VarId, Variable};
+use super::system::{ContractSide, System, rule};
+use linewright_core::gr1::{Domain, Expr, FormulaKind, Owner, Side, Time, VarId, Variable};
 use linewright_core::source::Span;
-use linewright_solver::game::{Lasso, Limit, Limits, Rule, RuleKind, RunQuery, Runs};
+use linewright_solver::game::{Lasso, Limit, Limits, Rule, RunQuery, Runs};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rules of one half of a contract.
@@ -49,7 +49,7 @@ impl<'a> Decider<'a> {
         let mut definitions = Vec::new();
         for (i, component) in system.components.iter().enumerate() {
             let mut own = Vec::new();
-            for (kind, _, formula) in formulas(&component.definitions) {
+            for (kind, _, formula) in component.definitions.formulas() {
                 own.push(rules.len());
                 rules.push(rule(kind, &formula.expr));
             }
@@ -228,37 +228,37 @@ fn add_half(side: &Side, bit: VarId, rules: &mut Vec<Rule>) -> HalfRules {
     let mut half_rules = HalfRules::default();
     let mut first = Expr::FALSE;
     let mut later = Expr::FALSE;
-    for (kind, _, formula) in formulas(side) {
+    for (kind, _, formula) in side.formulas() {
         let index = rules.len();
         rules.push(rule(kind, &formula.expr));
         let broken = formula.expr.clone().not();
         match kind {
-            RuleKind::Justice => {
+            FormulaKind::Justice => {
                 half_rules.justice.push(index);
                 continue;
             }
-            RuleKind::Initial => first = first.or(broken),
-            RuleKind::Invariant => {
+            FormulaKind::Initial => first = first.or(broken),
+            FormulaKind::Invariant => {
                 let next = broken.substitute(&mut |v, _| Expr::Var(v, Time::Next));
                 first = first.or(broken);
                 later = later.or(next);
             }
-            RuleKind::Safety => later = later.or(broken),
+            FormulaKind::Safety => later = later.or(broken),
         }
         half_rules.keep.push(index);
     }
     if !half_rules.keep.is_empty() {
         let start = rules.len();
         rules.push(Rule {
-            kind: RuleKind::Initial,
+            kind: FormulaKind::Initial,
             expr: Expr::now(bit).equals(first.simplify()),
         });
         rules.push(Rule {
-            kind: RuleKind::Safety,
+            kind: FormulaKind::Safety,
             expr: Expr::next(bit).equals(Expr::now(bit).or(later.simplify())),
         });
         rules.push(Rule {
-            kind: RuleKind::Justice,
+            kind: FormulaKind::Justice,
             expr: Expr::now(bit),
         });
         half_rules.broken = Some((vec![start, start + 1], start + 2));

@@ -2,14 +2,15 @@
 
 use super::contract::RunSet;
 use super::proof::{Claim, Exports, Open, Proof, Refutation};
-use super::system::{ContractSide, FormulaRef, System, formulas, list};
-use linewright_core::gr1::{Formula, Side, VarId, eval};
-use linewright_solver::game::{Lasso, RuleKind};
+use super::system::{ContractSide, FormulaRef, System};
+use linewright_core::gr1::{Formula, FormulaKind, Side, VarId, eval};
+use linewright_solver::game::Lasso;
 use std::collections::BTreeSet;
 
 /// Returns whether an infinite run keeps all formulas of one side.
 pub fn keeps(side: &Side, run: &Lasso) -> bool {
-    formulas(side).all(|(kind, _, formula)| keeps_formula(kind, formula, run))
+    side.formulas()
+        .all(|(kind, _, formula)| keeps_formula(kind, formula, run))
 }
 
 /// Returns whether an infinite run is in a set of runs. The definitions of monitors are not
@@ -33,7 +34,7 @@ pub fn is_run(system: &System, run: &Lasso) -> bool {
 }
 
 /// Returns whether an infinite run keeps a formula.
-pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
+pub fn keeps_formula(kind: FormulaKind, formula: &Formula, run: &Lasso) -> bool {
     let steps: Vec<&Vec<i64>> = run.prefix.iter().chain(&run.cycle).collect();
     let after = |i: usize| {
         if i + 1 < steps.len() {
@@ -44,9 +45,9 @@ pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
     };
     let holds = |i: usize| eval::holds(&formula.expr, steps[i], after(i));
     match kind {
-        RuleKind::Initial => holds(0),
-        RuleKind::Invariant | RuleKind::Safety => (0..steps.len()).all(holds),
-        RuleKind::Justice => (run.prefix.len()..steps.len()).any(holds),
+        FormulaKind::Initial => holds(0),
+        FormulaKind::Invariant | FormulaKind::Safety => (0..steps.len()).all(holds),
+        FormulaKind::Justice => (run.prefix.len()..steps.len()).any(holds),
     }
 }
 
@@ -72,8 +73,8 @@ pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Re
 pub fn formula<'a>(system: &'a System, claim: &'a Claim, at: FormulaRef) -> &'a Formula {
     match (system.formula(at), at.half) {
         (Some(formula), _) => formula,
-        (None, ContractSide::Assumptions) => &list(&claim.given, at.kind)[at.index],
-        (None, ContractSide::Guarantees) => &list(&claim.goal, at.kind)[at.index],
+        (None, ContractSide::Assumptions) => &claim.given.list(at.kind)[at.index],
+        (None, ContractSide::Guarantees) => &claim.goal.list(at.kind)[at.index],
     }
 }
 
@@ -87,24 +88,24 @@ fn within_domains(system: &System, step: &[i64]) -> bool {
 fn everything<'a>(
     system: &'a System,
     claim: &'a Claim,
-) -> impl Iterator<Item = (RuleKind, &'a Formula)> {
+) -> impl Iterator<Item = (FormulaKind, &'a Formula)> {
     let sides = system
         .components
         .iter()
         .flat_map(|p| [&p.definitions, &p.guarantees, &p.assumptions]);
     sides
         .chain([&claim.given])
-        .flat_map(|side| formulas(side).map(|(kind, _, formula)| (kind, formula)))
+        .flat_map(|side| side.formulas().map(|(kind, _, formula)| (kind, formula)))
 }
 
 /// Returns whether a formula holds in step `at`: safety is evaluated on the step before and this
 /// step, and justice is always true.
-pub fn holds_at(kind: RuleKind, formula: &Formula, steps: &[Vec<i64>], at: usize) -> bool {
+pub fn holds_at(kind: FormulaKind, formula: &Formula, steps: &[Vec<i64>], at: usize) -> bool {
     match kind {
-        RuleKind::Initial => at > 0 || eval::holds(&formula.expr, &steps[0], &[]),
-        RuleKind::Invariant => eval::holds(&formula.expr, &steps[at], &[]),
-        RuleKind::Safety => at == 0 || eval::holds(&formula.expr, &steps[at - 1], &steps[at]),
-        RuleKind::Justice => true,
+        FormulaKind::Initial => at > 0 || eval::holds(&formula.expr, &steps[0], &[]),
+        FormulaKind::Invariant => eval::holds(&formula.expr, &steps[at], &[]),
+        FormulaKind::Safety => at == 0 || eval::holds(&formula.expr, &steps[at - 1], &steps[at]),
+        FormulaKind::Justice => true,
     }
 }
 
@@ -133,11 +134,11 @@ fn trace(
             return Err(format!("step {broken} breaks {}", formula.name));
         }
     }
-    let binding = formulas(&claim.given).map(|(k, _, f)| (k, f)).chain(
+    let binding = claim.given.formulas().map(|(k, _, f)| (k, f)).chain(
         system
             .components
             .iter()
-            .flat_map(|p| formulas(&p.definitions).map(|(k, _, f)| (k, f))),
+            .flat_map(|p| p.definitions.formulas().map(|(k, _, f)| (k, f))),
     );
     for (kind, formula) in binding {
         if !holds_at(kind, formula, steps, last) {
@@ -195,11 +196,11 @@ fn lasso(
     let waiting: BTreeSet<usize> = proof
         .open
         .iter()
-        .filter(|o| o.what.kind == RuleKind::Justice)
+        .filter(|o| o.what.kind == FormulaKind::Justice)
         .filter_map(|o| o.what.component)
         .collect();
     for (kind, formula) in everything(system, claim) {
-        if kind != RuleKind::Justice && !keeps_formula(kind, formula, run) {
+        if kind != FormulaKind::Justice && !keeps_formula(kind, formula, run) {
             return Err(format!("the run breaks {}", formula.name));
         }
     }
@@ -210,7 +211,7 @@ fn lasso(
         .filter(|(i, _)| !waiting.contains(i));
     let owed = reliable.flat_map(|(_, p)| &p.guarantees.justice);
     for formula in owed.chain(&claim.given.justice) {
-        if !keeps_formula(RuleKind::Justice, formula, run) {
+        if !keeps_formula(FormulaKind::Justice, formula, run) {
             return Err(format!("the run starves {}", formula.name));
         }
     }

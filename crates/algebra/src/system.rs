@@ -1,7 +1,9 @@
 //! Systems of contracts over one set of variables.
 
-use linewright_core::gr1::{Expr, Formula, Side, Specification, Time, Timing, VarId, Variable};
-use linewright_solver::game::{Rule, RuleKind};
+use linewright_core::gr1::{
+    Expr, Formula, FormulaKind, Side, Specification, Time, Timing, VarId, Variable,
+};
+use linewright_solver::game::Rule;
 
 /// Components over one set of variables. Components are wired by the names of their ports: ports
 /// with the same name are one variable.
@@ -48,51 +50,13 @@ pub struct FormulaRef {
     /// Half of the contract. For a claim, assumptions are the givens and guarantees are the goal.
     pub half: ContractSide,
     /// Kind of the formula, which selects the list that contains it.
-    pub kind: RuleKind,
+    pub kind: FormulaKind,
     /// Index in that list.
     pub index: usize,
 }
 
-/// Returns the formulas of one kind.
-pub fn list(side: &Side, kind: RuleKind) -> &[Formula] {
-    match kind {
-        RuleKind::Initial => &side.initial,
-        RuleKind::Invariant => &side.invariants,
-        RuleKind::Safety => &side.safety,
-        RuleKind::Justice => &side.justice,
-    }
-}
-
-/// Returns the formulas of one kind, mutable.
-pub fn list_mut(side: &mut Side, kind: RuleKind) -> &mut Vec<Formula> {
-    match kind {
-        RuleKind::Initial => &mut side.initial,
-        RuleKind::Invariant => &mut side.invariants,
-        RuleKind::Safety => &mut side.safety,
-        RuleKind::Justice => &mut side.justice,
-    }
-}
-
-/// All kinds, in the order of the lists of a [`Side`].
-pub const KINDS: [RuleKind; 4] = [
-    RuleKind::Initial,
-    RuleKind::Invariant,
-    RuleKind::Safety,
-    RuleKind::Justice,
-];
-
-/// Returns all formulas of a side, each with its kind and its index in the list of that kind.
-pub fn formulas(side: &Side) -> impl Iterator<Item = (RuleKind, usize, &Formula)> {
-    KINDS.into_iter().flat_map(|kind| {
-        list(side, kind)
-            .iter()
-            .enumerate()
-            .map(move |(i, f)| (kind, i, f))
-    })
-}
-
 /// Returns the rule for a formula of this kind.
-pub fn rule(kind: RuleKind, expr: &Expr) -> Rule {
+pub fn rule(kind: FormulaKind, expr: &Expr) -> Rule {
     Rule {
         kind,
         expr: expr.clone(),
@@ -162,7 +126,7 @@ impl System {
     /// exist.
     pub fn formula(&self, at: FormulaRef) -> Option<&Formula> {
         let component = &self.components[at.component?];
-        list(component.half(at.half), at.kind).get(at.index)
+        component.half(at.half).list(at.kind).get(at.index)
     }
 
     /// Returns the index of the component that sets a variable; `None` if the variable is set from

@@ -1,5 +1,5 @@
 //! Deadlines and cancellation: `--timeout` and Ctrl-C. Each command creates one deadline and passes
-//! it down. Outside of `cli`, no other module may depend on a clock.
+//! it down. Elapsed time affects the result of a command only through its deadline.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -10,7 +10,7 @@ pub enum StopReason {
     /// The deadline has passed.
     #[error("the time limit was reached")]
     Time,
-    /// The caller has asked to stop.
+    /// The caller has requested a stop.
     #[error("it was interrupted")]
     Interrupt,
 }
@@ -43,7 +43,7 @@ impl PartialEq for Deadline {
 impl Eq for Deadline {}
 
 impl Deadline {
-    /// No deadline: work is never given up.
+    /// No deadline: work is never stopped.
     pub const NONE: Self = Self {
         instant: None,
         interrupt: None,
@@ -93,10 +93,10 @@ impl Deadline {
         self.instant.map(remaining)
     }
 
-    /// Checks the deadline; call this in loops that may take long.
+    /// Checks the deadline; call this in loops that can take long.
     ///
     /// # Errors
-    /// When the flag is set or the time has passed; the flag takes precedence.
+    /// Returns the reason if the flag is set or the time has passed; the flag takes precedence.
     pub fn check(self) -> Result<(), StopReason> {
         if self
             .interrupt

@@ -7,12 +7,13 @@ use crate::controlled::ControlledMachine;
 use linewright_algebra::proof::prove;
 use linewright_algebra::system::FormulaRef;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
+use linewright_core::gr1::FormulaKind;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
 use linewright_line::UndecidedReason;
 use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
-use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
+use linewright_solver::game::{Budget, Limit, Limits};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -312,7 +313,7 @@ fn table(
     limits: &Limits,
 ) -> Result<Vec<DischargeEntry>, Limit> {
     let whole = &abstraction.claim;
-    let safe = |at: FormulaRef| at.kind != RuleKind::Justice && !whole.lemmas.contains_key(&at);
+    let safe = |at: FormulaRef| at.kind != FormulaKind::Justice && !whole.lemmas.contains_key(&at);
     let claim = if verdict.undecided.is_empty() {
         whole.clone()
     } else {

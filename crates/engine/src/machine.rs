@@ -14,9 +14,10 @@ use linewright_algebra::machine::{COMPLETES, of_machine, of_refined_contract};
 use linewright_algebra::proof::{Claim, Cycle, Proof, prove};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
+use linewright_core::gr1::FormulaKind;
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, RefinedContract};
-use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
+use linewright_solver::game::{Budget, Limit, Limits};
 use linewright_station::composition::{Composition, Discharger};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -333,7 +334,7 @@ impl CombinedProof<'_> {
         for mut finding in found::of_proof(self.printer, proof, &|part| Some(self.at(part))) {
             let of_justice = proof.open.iter().any(|o| {
                 let formula = self.printer.formula(o.what);
-                o.what.kind == RuleKind::Justice
+                o.what.kind == FormulaKind::Justice
                     && o.what.component.is_some()
                     && finding.labels.iter().any(|l| l.0 == formula.span)
             });

@@ -7,9 +7,9 @@ use linewright_algebra::proof::{
     Claim, Cycle, Discharge, DischargeRule, Open, Proof, Refutation, SameStepLoop,
 };
 use linewright_algebra::replay;
-use linewright_algebra::system::{FormulaRef, System, formulas};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, VarId};
-use linewright_solver::game::{Lasso, RuleKind};
+use linewright_algebra::system::{FormulaRef, System};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, FormulaKind, VarId};
+use linewright_solver::game::Lasso;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -142,7 +142,7 @@ impl<'a> ProofPrinter<'a> {
             .any(|p| !self.system.components[*p].guarantees.justice.is_empty());
         match (open.what.kind, names.is_empty()) {
             (_, true) => "what is assumed about its inputs does not imply it".to_owned(),
-            (RuleKind::Justice, _) if !has_justice => {
+            (FormulaKind::Justice, _) if !has_justice => {
                 format!(
                     "{} has no guarantee of the form `always eventually`",
                     list(&names)
@@ -157,7 +157,7 @@ impl<'a> ProofPrinter<'a> {
         let (p, q) = implication(&assumed.expr)?;
         let parts = self.system.components.iter().enumerate();
         for (i, part) in parts.filter(|(i, _)| Some(*i) != at.component) {
-            for (kind, _, guarantee) in formulas(&part.guarantees) {
+            for (kind, _, guarantee) in part.guarantees.formulas() {
                 if kind != at.kind {
                     continue;
                 }
@@ -212,7 +212,7 @@ impl<'a> ProofPrinter<'a> {
         add(&self.formula(at).expr);
         let own: BTreeSet<VarId> = found.clone();
         for part in &self.system.components {
-            for (_, _, formula) in formulas(&part.guarantees) {
+            for (_, _, formula) in part.guarantees.formulas() {
                 let mut sets = false;
                 formula.expr.for_each_var(&mut |v, _| {
                     sets |= own.contains(&v) && part.drives.contains(&v);

@@ -236,7 +236,7 @@ fn call(export: Export, arguments: &mut [UfValue]) -> Answer {
     let mut answer = UfValue::NOTHING;
     #[expect(unsafe_code, reason = "the loader of station libraries")]
     // SAFETY: the export reads exactly the arguments in its documentation, which the callers below
-    // pass, and writes one answer; texts among the arguments live until it returns.
+    // pass, and writes one answer; texts among the arguments live until the export returns.
     unsafe {
         export(&raw mut answer, arguments.as_mut_ptr());
     }

@@ -21,7 +21,7 @@ pub enum Party {
     Plant,
     /// The machine, which has to keep guarantees.
     Machine,
-    /// The caller of skills, within or outside the machine, which has to keep orders.
+    /// The caller of skills, inside or outside the machine, who has to keep orders.
     Caller,
 }
 
@@ -160,8 +160,8 @@ fn for_each_property(expr: &RealExpr, visit: &mut impl FnMut(usize)) {
     }
 }
 
-/// A number with up to six decimals, without trailing zeros; the same text as `lw_append_real` in
-/// the C runtime.
+/// Formats a number with up to six decimals, without trailing zeros. `lw_write_real` in
+/// `ffi/step.c` writes the same text.
 fn real(value: f64) -> String {
     if value.is_nan() || value.abs() >= 1e12 {
         return "out of range".to_owned();

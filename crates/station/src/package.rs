@@ -69,7 +69,7 @@ impl Package {
         }
     }
 
-    /// Creates a package of these files; `c_source` is the one to compile.
+    /// Creates a package of these files; `c_source` is the file to compile.
     pub(super) fn of_files(
         name: &str,
         stem: &str,
@@ -95,7 +95,7 @@ impl Package {
         }
     }
 
-    /// All files of the package, by name; the first is the one to compile.
+    /// All files of the package, by name; the first is the file to compile.
     pub fn files(&self) -> Vec<(String, &str)> {
         let own = (format!("{}.c", self.stem), self.c_source.as_str());
         let support = self
@@ -105,7 +105,7 @@ impl Package {
         std::iter::once(own).chain(support).collect()
     }
 
-    /// Writes all files into a folder, and returns the path of the one to compile.
+    /// Writes all files into a folder, and returns the path of the file to compile.
     pub fn write_source(&self, folder: &Path) -> Result<PathBuf, Error> {
         create_folder(folder)?;
         for (name, text) in self.files() {
@@ -150,7 +150,7 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Temporary files are readable only by their owner; a result gets ordinary permissions.
+/// Gives a result ordinary permissions, because temporary files are readable only by their owner.
 #[cfg(unix)]
 fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -172,8 +172,8 @@ pub fn is_windows_device(stem: &str) -> bool {
     numbered || ["con", "prn", "aux", "nul"].contains(&stem.as_str())
 }
 
-/// A machine's name as a file name: `AssemblyCell` and `assembly cell` are `assembly_cell`;
-/// anything but ASCII letters and digits becomes `_`.
+/// Converts a machine's name to a file name: `AssemblyCell` and `assembly cell` become
+/// `assembly_cell`. All characters except ASCII letters and digits become `_`.
 pub fn file_stem(name: &str) -> String {
     let mut stem = String::new();
     let mut after_lower = false;

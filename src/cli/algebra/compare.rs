@@ -205,7 +205,7 @@ fn is_unchanged(old: &Contract, new: &Contract) -> bool {
         .collect()
     };
     let formulas = |side: &crate::gr1::Side| -> Vec<_> {
-        crate::algebra::system::formulas(side)
+        side.formulas()
             .map(|(kind, _, f)| (kind, f.expr.clone()))
             .collect()
     };

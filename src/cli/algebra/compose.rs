@@ -7,7 +7,7 @@ use super::{
 use crate::algebra::compat::{Compatibility, compatible};
 use crate::algebra::join::Sharing;
 use crate::algebra::proof::{Claim, Exports, Proof, Refutation, prove};
-use crate::algebra::system::{System, list};
+use crate::algebra::system::System;
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
@@ -16,8 +16,7 @@ use crate::engine::findings;
 use crate::engine::found;
 use crate::engine::pipeline::Jobs;
 use crate::engine::words::ProofPrinter;
-use crate::game::RuleKind;
-use crate::gr1::{Owner, Side, Specification, Time, Timing, VarId, Variable};
+use crate::gr1::{FormulaKind, Owner, Side, Specification, Time, Timing, VarId, Variable};
 use crate::mealy;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -126,12 +125,17 @@ fn composition_contract(printer: ProofPrinter<'_>, proof: &Proof) -> Specificati
     for at in printer.exported(proof) {
         let formula = printer.formula(at).clone();
         let Some(part) = at.component else { continue };
-        debug_assert!(list(&system.components[part].assumptions, at.kind).contains(&formula));
+        debug_assert!(
+            system.components[part]
+                .assumptions
+                .list(at.kind)
+                .contains(&formula)
+        );
         match at.kind {
-            RuleKind::Initial => assumptions.initial.push(formula),
-            RuleKind::Invariant => assumptions.invariants.push(formula),
-            RuleKind::Safety => assumptions.safety.push(formula),
-            RuleKind::Justice => assumptions.justice.push(formula),
+            FormulaKind::Initial => assumptions.initial.push(formula),
+            FormulaKind::Invariant => assumptions.invariants.push(formula),
+            FormulaKind::Safety => assumptions.safety.push(formula),
+            FormulaKind::Justice => assumptions.justice.push(formula),
         }
     }
     let mut guarantees = Side::default();
@@ -177,9 +181,9 @@ fn uncontrolled_assumptions(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Dia
     let mut findings = Vec::new();
     for at in printer.exported(proof) {
         let constrained = match at.kind {
-            RuleKind::Initial | RuleKind::Invariant => Time::Now,
-            RuleKind::Safety => Time::Next,
-            RuleKind::Justice => continue,
+            FormulaKind::Initial | FormulaKind::Invariant => Time::Now,
+            FormulaKind::Safety => Time::Next,
+            FormulaKind::Justice => continue,
         };
         let formula = printer.formula(at);
         let mut chosen: BTreeMap<VarId, usize> = BTreeMap::new();

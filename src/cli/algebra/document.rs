@@ -1,10 +1,11 @@
 //! JSON documents of the algebra commands.
 
 use crate::algebra::proof::{Discharge, DischargeRule, Open, Proof, Refutation};
-use crate::algebra::system::{FormulaRef, System, formulas};
+use crate::algebra::system::{FormulaRef, System};
 use crate::diagnostics::json;
 use crate::engine::words::{DischargeRuleName, ProofPrinter};
 use crate::game::Lasso;
+use crate::gr1::Side;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -303,9 +304,9 @@ fn values(system: &System, step: &[i64]) -> BTreeMap<String, String> {
 
 /// The contracts of a system as written, without repeated formulas.
 pub fn contract_texts(system: &System) -> Vec<Pair> {
-    let texts = |side| {
+    let texts = |side: &Side| {
         let mut texts: Vec<Text> = Vec::new();
-        for (_, _, formula) in formulas(side) {
+        for (_, _, formula) in side.formulas() {
             let known = texts
                 .iter()
                 .any(|t| t.name == formula.name && t.text == formula.text);

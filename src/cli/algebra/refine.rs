@@ -277,7 +277,7 @@ fn refine_expression(joined: &Joined, options: &GlobalOptions) -> Result<Outcome
         outcome.findings.push(vacuous("OLD", Some(joined.spans[0])));
     }
     if let Some((half, run)) = refutation {
-        outcome.text = RUNS.to_owned();
+        RUNS.clone_into(&mut outcome.text);
         outcome.document.counterexample = Some(document::lasso(&joined.system, &run));
         outcome
             .findings

@@ -3,10 +3,9 @@
 //! compared with.
 
 use linewright::algebra::closed::ClosedComposition;
-use linewright::algebra::system::formulas;
+
 use linewright::contract::machine::{Machine, PlantSource};
-use linewright::game::RuleKind;
-use linewright::gr1::{Expr, Owner, Specification, Timing, eval};
+use linewright::gr1::{Expr, FormulaKind, Owner, Specification, Timing, eval};
 use linewright::mealy;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -175,7 +174,10 @@ impl Brute<'_> {
         let now = self.own(component, wires);
         let then = before.map(|b| self.own(component, &b.wires));
         let mut found = [Vec::new(), Vec::new()];
-        for (kind, _, formula) in formulas(&self.closed.system.components[component].assumptions) {
+        for (kind, _, formula) in self.closed.system.components[component]
+            .assumptions
+            .formulas()
+        {
             let own = [&side.initial, &side.invariants, &side.safety]
                 .into_iter()
                 .flatten()
@@ -297,7 +299,7 @@ impl Brute<'_> {
             let justice = &component.specification.assumptions.justice;
             for (formula, over_wires) in justice.iter().zip(over_wires) {
                 // What the environment ensures is not examined.
-                if self.closed.is_exported(RuleKind::Justice, over_wires) {
+                if self.closed.is_exported(FormulaKind::Justice, over_wires) {
                     continue;
                 }
                 if starves(&|s| eval::holds(&formula.expr, &self.own(c, &s.wires), &[])) {

@@ -3,9 +3,9 @@
 use super::tables::{name, table};
 use linewright::algebra::proof::{Claim, Discharge, DischargeRule, Exports, Proof, decide};
 use linewright::algebra::replay;
-use linewright::algebra::system::{ContractSide, FormulaRef, System, formulas};
-use linewright::game::{Limits, RuleKind};
-use linewright::gr1::{Formula, Side};
+use linewright::algebra::system::{ContractSide, FormulaRef, System};
+use linewright::game::Limits;
+use linewright::gr1::{Formula, FormulaKind, Side};
 
 /// Every line of a table: what it names suffices, and without any single item the proof fails, with
 /// a counterexample that the evaluator accepts. Returns the numbers of lines and of mutants.
@@ -46,9 +46,9 @@ fn alone(
         .copied()
         .filter(|at| Some(*at) != without)
         .collect();
-    let pick = |side: &Side, keep: &dyn Fn(RuleKind, usize) -> bool| {
+    let pick = |side: &Side, keep: &dyn Fn(FormulaKind, usize) -> bool| {
         let mut picked = Side::default();
-        for (kind, index, formula) in formulas(side) {
+        for (kind, index, formula) in side.formulas() {
             if keep(kind, index) {
                 add(&mut picked, kind, formula.clone());
             }
@@ -103,11 +103,11 @@ fn alone(
     )
 }
 
-fn add(side: &mut Side, kind: RuleKind, formula: Formula) {
+fn add(side: &mut Side, kind: FormulaKind, formula: Formula) {
     match kind {
-        RuleKind::Initial => side.initial.push(formula),
-        RuleKind::Invariant => side.invariants.push(formula),
-        RuleKind::Safety => side.safety.push(formula),
-        RuleKind::Justice => side.justice.push(formula),
+        FormulaKind::Initial => side.initial.push(formula),
+        FormulaKind::Invariant => side.invariants.push(formula),
+        FormulaKind::Safety => side.safety.push(formula),
+        FormulaKind::Justice => side.justice.push(formula),
     }
 }

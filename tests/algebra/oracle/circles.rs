@@ -18,8 +18,8 @@ use crate::random::Random;
 use linewright::algebra::proof::{Claim, DischargeRule, Exports, Open, Proof, Refutation, prove};
 use linewright::algebra::replay;
 use linewright::algebra::system::System;
-use linewright::game::{Limits, RuleKind};
-use linewright::gr1::{Formula, Owner, Side, Specification, Timing, VarId};
+use linewright::game::Limits;
+use linewright::gr1::{Formula, FormulaKind, Owner, Side, Specification, Timing, VarId};
 
 const SYSTEMS: u64 = 4_000;
 
@@ -116,10 +116,10 @@ impl Composed {
             if discharge.rule == DischargeRule::Exported {
                 let formula = replay::formula(system, claim, discharge.what).clone();
                 match discharge.what.kind {
-                    RuleKind::Initial => handed_on.initial.push(formula),
-                    RuleKind::Invariant => handed_on.invariants.push(formula),
-                    RuleKind::Safety => handed_on.safety.push(formula),
-                    RuleKind::Justice => handed_on.justice.push(formula),
+                    FormulaKind::Initial => handed_on.initial.push(formula),
+                    FormulaKind::Invariant => handed_on.invariants.push(formula),
+                    FormulaKind::Safety => handed_on.safety.push(formula),
+                    FormulaKind::Justice => handed_on.justice.push(formula),
                 }
             }
         }
@@ -401,10 +401,10 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
             let on = |p: &[usize]| kept.step[p[0]] >> p[1] & 1 == 1;
             assert!(before.windows(2).all(on), "{steps:?}");
             let breaks = match (open.what.kind, before.last()) {
-                (RuleKind::Initial, None) | (RuleKind::Invariant, _) => {
+                (FormulaKind::Initial, None) | (FormulaKind::Invariant, _) => {
                     board.states(what) >> last & 1 == 0
                 }
-                (RuleKind::Safety, Some(s)) => board.relation(what)[*s] >> last & 1 == 0,
+                (FormulaKind::Safety, Some(s)) => board.relation(what)[*s] >> last & 1 == 0,
                 _ => false,
             };
             assert!(breaks, "{steps:?}");

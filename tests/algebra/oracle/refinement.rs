@@ -9,9 +9,9 @@ use linewright::algebra::decide::Decider;
 use linewright::algebra::proof::{Discharge, DischargeRule, Open, Refutation};
 use linewright::algebra::refine::{Question, refine};
 use linewright::algebra::replay;
-use linewright::algebra::system::{ContractSide, FormulaRef, KINDS, System, list};
-use linewright::game::{Lasso, Limits, RuleKind};
-use linewright::gr1::Side;
+use linewright::algebra::system::{ContractSide, FormulaRef, System};
+use linewright::game::{Lasso, Limits};
+use linewright::gr1::{FormulaKind, Side};
 
 const PAIRS: u64 = 1_500;
 
@@ -38,10 +38,10 @@ fn only(question: &Question, refs: &[FormulaRef]) -> Side {
     for at in refs {
         let formula = replay::formula(&question.system, &question.claim, *at).clone();
         match at.kind {
-            RuleKind::Initial => side.initial.push(formula),
-            RuleKind::Invariant => side.invariants.push(formula),
-            RuleKind::Safety => side.safety.push(formula),
-            RuleKind::Justice => side.justice.push(formula),
+            FormulaKind::Initial => side.initial.push(formula),
+            FormulaKind::Invariant => side.invariants.push(formula),
+            FormulaKind::Safety => side.safety.push(formula),
+            FormulaKind::Justice => side.justice.push(formula),
         }
     }
     side
@@ -87,7 +87,7 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
         counts.reasons += 1;
         if between(question, &fewer, &what).is_none() {
             assert!(
-                found.what.kind != RuleKind::Justice && a_step_breaks(&board, &fewer, &what),
+                found.what.kind != FormulaKind::Justice && a_step_breaks(&board, &fewer, &what),
                 "reason {i} is not needed for {found:?}"
             );
             counts.for_the_step += 1;
@@ -96,7 +96,7 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
     // A goal may rest on others proved before it.
     let given = |at: &FormulaRef| at.component.is_none() && at.half == ContractSide::Assumptions;
     let environment = found.by.iter().all(given);
-    let justice = found.by.iter().any(|at| at.kind == RuleKind::Justice);
+    let justice = found.by.iter().any(|at| at.kind == FormulaKind::Justice);
     match found.rule {
         DischargeRule::Environment => assert!(environment),
         DischargeRule::Induction => assert!(!environment && !justice),
@@ -129,13 +129,13 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     match &open.why {
         Refutation::Lasso(run) => {
             counts.lassos += 1;
-            assert!(open.what.kind == RuleKind::Justice);
+            assert!(open.what.kind == FormulaKind::Justice);
             assert!(known.iter().all(|side| keeps(side, run)), "{run:?}");
             assert!(!keeps(&what, run), "{run:?}");
         }
         Refutation::Trace(steps) => {
             counts.traces += 1;
-            assert!(open.what.kind != RuleKind::Justice);
+            assert!(open.what.kind != FormulaKind::Justice);
             let board = Board::new(&system.variables);
             let states: Vec<usize> = steps
                 .iter()
@@ -163,8 +163,8 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     let proof = &question.proof;
     assert!(proof.loops.is_empty() && proof.cycles.is_empty());
     let mut goals: Vec<FormulaRef> = Vec::new();
-    for kind in KINDS {
-        let count = list(&question.claim.goal, kind).len();
+    for kind in FormulaKind::ALL {
+        let count = question.claim.goal.list(kind).len();
         goals.extend((0..count).map(|index| FormulaRef {
             component: None,
             half: ContractSide::Guarantees,

@@ -3,9 +3,10 @@
 use super::contracts::{Scope, expression, formula, named};
 use crate::random::Random;
 use linewright::algebra::proof::latest;
-use linewright::algebra::system::{Component, KINDS, System, list};
-use linewright::game::RuleKind;
-use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId, Variable};
+use linewright::algebra::system::{Component, System};
+use linewright::gr1::{
+    BinaryOp, Domain, Expr, Formula, FormulaKind, Side, Timing, VarId, Variable,
+};
 
 /// Parameters of random systems.
 pub struct Plan {
@@ -30,31 +31,31 @@ fn domain(r: &mut Random, wide: bool) -> Domain {
     }
 }
 
-fn push(side: &mut Side, kind: RuleKind, formula: Formula) {
+fn push(side: &mut Side, kind: FormulaKind, formula: Formula) {
     match kind {
-        RuleKind::Initial => side.initial.push(formula),
-        RuleKind::Invariant => side.invariants.push(formula),
-        RuleKind::Safety => side.safety.push(formula),
-        RuleKind::Justice => side.justice.push(formula),
+        FormulaKind::Initial => side.initial.push(formula),
+        FormulaKind::Invariant => side.invariants.push(formula),
+        FormulaKind::Safety => side.safety.push(formula),
+        FormulaKind::Justice => side.justice.push(formula),
     }
 }
 
 /// A formula of this kind mentions values of the last step only from `latest`, all others from
 /// everywhere.
-fn written(r: &mut Random, variables: &[Variable], kind: RuleKind, latest: &[VarId]) -> Expr {
+fn written(r: &mut Random, variables: &[Variable], kind: FormulaKind, latest: &[VarId]) -> Expr {
     let everything = Scope::all(variables, false).now;
     let scope = match kind {
-        RuleKind::Initial | RuleKind::Invariant => Scope {
+        FormulaKind::Initial | FormulaKind::Invariant => Scope {
             variables,
             now: latest.to_vec(),
             next: Vec::new(),
         },
-        RuleKind::Safety => Scope {
+        FormulaKind::Safety => Scope {
             variables,
             now: everything,
             next: latest.to_vec(),
         },
-        RuleKind::Justice => Scope {
+        FormulaKind::Justice => Scope {
             variables,
             now: everything,
             next: Vec::new(),
@@ -78,12 +79,12 @@ fn guarantees(
         .collect();
     let mut side = Side::default();
     for (kind, percent) in [
-        (RuleKind::Initial, 60),
-        (RuleKind::Invariant, 25),
-        (RuleKind::Safety, 60),
-        (RuleKind::Safety, 30),
-        (RuleKind::Justice, 50),
-        (RuleKind::Justice, 15),
+        (FormulaKind::Initial, 60),
+        (FormulaKind::Invariant, 25),
+        (FormulaKind::Safety, 60),
+        (FormulaKind::Safety, 30),
+        (FormulaKind::Justice, 50),
+        (FormulaKind::Justice, 15),
     ] {
         if !r.chance(if plan.demanding { percent / 2 } else { percent }) {
             continue;
@@ -98,19 +99,19 @@ fn guarantees(
             latest.push(others[r.below(others.len() as u64) as usize]);
         }
         let is_bool = variables[own.index()].domain == Domain::Bool;
-        let expr = if kind == RuleKind::Safety && is_bool && r.chance(50) {
+        let expr = if kind == FormulaKind::Safety && is_bool && r.chance(50) {
             let from = if sees { others.clone() } else { vec![own] };
             let rest = written(
                 r,
                 variables,
-                if sees { kind } else { RuleKind::Justice },
+                if sees { kind } else { FormulaKind::Justice },
                 &from,
             );
             Expr::binary(BinaryOp::Eq, Expr::next(own), rest)
         } else {
             written(r, variables, kind, &latest)
         };
-        let place = list(&side, kind).len();
+        let place = side.list(kind).len();
         push(
             &mut side,
             kind,
@@ -128,17 +129,17 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
         .map(VarId)
         .filter(|v| *v != own)
         .collect();
-    let promised: Vec<(RuleKind, &Formula)> = system
+    let promised: Vec<(FormulaKind, &Formula)> = system
         .components
         .iter()
         .enumerate()
         .filter(|(j, _)| *j != part)
         .flat_map(|(_, p)| {
-            KINDS
+            FormulaKind::ALL
                 .into_iter()
-                .flat_map(|kind| list(&p.guarantees, kind).iter().map(move |f| (kind, f)))
+                .flat_map(|kind| p.guarantees.list(kind).iter().map(move |f| (kind, f)))
         })
-        .filter(|(kind, f)| *kind == RuleKind::Justice || !latest(&f.expr, *kind).contains(&own))
+        .filter(|(kind, f)| *kind == FormulaKind::Justice || !latest(&f.expr, *kind).contains(&own))
         .collect();
     let mut side = Side::default();
     let percents: &[u64] = if plan.demanding {
@@ -159,7 +160,7 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
                 (kind, expr)
             }
         } else {
-            let kind = KINDS[r.below(4) as usize];
+            let kind = FormulaKind::ALL[r.below(4) as usize];
             let expr = written(r, variables, kind, &others);
             if plan.demanding {
                 (kind, expr)
@@ -168,7 +169,7 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
                 (kind, expr.or(written(r, variables, kind, &others)))
             }
         };
-        let place = list(&side, kind).len();
+        let place = side.list(kind).len();
         let name = format!("{} assumes {kind:?} {place}", system.components[part].name);
         push(&mut side, kind, formula(name, expr));
     }

@@ -3,8 +3,8 @@
 use super::explorer::Explorer;
 use super::lines::line;
 use super::replay::accepts;
-use linewright::game::{Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
-use linewright::gr1::{BinaryOp, Expr};
+use linewright::game::{Limits, Rule, Runs, SafetyViolationQuery};
+use linewright::gr1::{BinaryOp, Expr, FormulaKind};
 use linewright::line::abstraction::{
     Abstraction, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, PlaceKind, Queue, decide,
 };
@@ -20,8 +20,8 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
     for part in parts {
         let side = &part.guarantees;
         let lists = [
-            (RuleKind::Initial, &side.initial),
-            (RuleKind::Safety, &side.safety),
+            (FormulaKind::Initial, &side.initial),
+            (FormulaKind::Safety, &side.safety),
         ];
         rules.extend(lists.into_iter().flat_map(|(kind, list)| {
             list.iter().map(move |f| Rule {
@@ -51,7 +51,7 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
         };
         asked.push((declared.node, rules.len()));
         rules.push(Rule {
-            kind: RuleKind::Invariant,
+            kind: FormulaKind::Invariant,
             expr,
         });
     }

@@ -1,9 +1,8 @@
 //! Counterexamples, checked by code that only evaluates formulas.
 
 use linewright::algebra::proof::Refutation;
-use linewright::game::RuleKind;
-use linewright::gr1::Side;
 use linewright::gr1::eval::holds;
+use linewright::gr1::{FormulaKind, Side};
 use linewright::line::abstraction::{Abstraction, Open};
 
 /// Whether this run keeps all sides, including justice if it is a cycle.
@@ -73,7 +72,7 @@ pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
             kept(&sides, &run, None)?;
             let last = run[run.len() - 1];
             let before = run.len().checked_sub(2).map_or(last, |i| run[i]);
-            let missed = if open.what.kind == RuleKind::Safety {
+            let missed = if open.what.kind == FormulaKind::Safety {
                 !holds(&goal.expr, before, last)
             } else {
                 !holds(&goal.expr, last, &[])

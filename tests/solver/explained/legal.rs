@@ -1,8 +1,8 @@
 //! Checks whether a play is what it claims to be, by evaluating the formulas on its steps.
 
-use linewright::game::{Ending, GuaranteeKind, GuaranteeRef, Play};
+use linewright::game::{Ending, GuaranteeRef, Play};
 use linewright::gr1::eval::holds;
-use linewright::gr1::{Formula, Specification, Timing, VarId};
+use linewright::gr1::{Formula, FormulaKind, Specification, Timing, VarId};
 
 /// The formulas of a side that step `at` of a play violates, according to their kinds.
 fn broken<'a>(
@@ -115,7 +115,7 @@ fn clashes(spec: &Specification, play: &Play, rules: &[GuaranteeRef]) -> Result<
         // moves first, a play ends in the step that violates it.
         let of_next = formula.expr.mentions_next() || spec.timing == Timing::Moore;
         let before = match rule.kind {
-            GuaranteeKind::Safety if of_next => &play.steps[last - 1],
+            FormulaKind::Safety if of_next => &play.steps[last - 1],
             _ => answer,
         };
         holds(&rule.formula(&spec.guarantees).expr, before, answer)

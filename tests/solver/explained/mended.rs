@@ -1,8 +1,6 @@
 //! Checks advice: every claim is checked by solving again.
 
-use linewright::game::{
-    Advice, AssumptionRef, GuaranteeKind, GuaranteeRef, Limits, Options, Outcome, solve_with,
-};
+use linewright::game::{Advice, AssumptionRef, GuaranteeRef, Limits, Options, Outcome, solve_with};
 use linewright::gr1::{Expr, Formula, Owner, Side, Specification};
 use linewright::source::Span;
 
@@ -34,15 +32,6 @@ pub fn satisfiable(spec: &Specification) -> bool {
     realizable(&one)
 }
 
-fn list(side: &mut Side, kind: GuaranteeKind) -> &mut Vec<Formula> {
-    match kind {
-        GuaranteeKind::Initial => &mut side.initial,
-        GuaranteeKind::Invariant => &mut side.invariants,
-        GuaranteeKind::Safety => &mut side.safety,
-        GuaranteeKind::Justice => &mut side.justice,
-    }
-}
-
 /// The specification with these formulas only.
 pub fn only(
     spec: &Specification,
@@ -52,7 +41,7 @@ pub fn only(
     let keep = |side: &Side, refs: &[GuaranteeRef]| {
         let mut kept = Side::default();
         for r in refs {
-            list(&mut kept, r.kind).push(r.formula(side).clone());
+            kept.list_mut(r.kind).push(r.formula(side).clone());
         }
         kept
     };
@@ -110,7 +99,9 @@ pub fn holds(spec: &Specification, core: &[GuaranteeRef], advice: &Advice) -> Re
     }
     for suggested in &advice.assumptions {
         let mut more = spec.clone();
-        list(&mut more.assumptions, suggested.kind).push(formula(&suggested.formula));
+        more.assumptions
+            .list_mut(suggested.kind)
+            .push(formula(&suggested.formula));
         if !realizable(&more) {
             return Err(format!("{suggested:?} does not help"));
         }
@@ -120,7 +111,7 @@ pub fn holds(spec: &Specification, core: &[GuaranteeRef], advice: &Advice) -> Re
     }
     for weakening in &advice.weakenings {
         let mut less = spec.clone();
-        let guarantees = list(&mut less.guarantees, weakening.guarantee.kind);
+        let guarantees = less.guarantees.list_mut(weakening.guarantee.kind);
         match &weakening.unless {
             None => {
                 guarantees.remove(weakening.guarantee.index);

@@ -4,8 +4,10 @@ use super::logic;
 use super::patterns::{Case, cases};
 use super::words::{Lanes, Lassos, every_lasso};
 use linewright::game::{Limits, Outcome, solve};
-use linewright::gr1::monitors::{Kind, Monitors, Obligation, Origin, Pattern, Scope};
-use linewright::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable};
+use linewright::gr1::monitors::{Monitors, Obligation, Origin, Pattern, Scope};
+use linewright::gr1::{
+    Domain, Expr, Formula, FormulaKind, Owner, Side, Specification, Timing, VarId, Variable,
+};
 use linewright::mealy::{Machine, extract::extract, verify::verify};
 use linewright::source::Span;
 
@@ -113,7 +115,7 @@ fn expected(case: &Case, outputs: &[bool]) -> Option<bool> {
 fn enliven(specification: &mut Specification, outputs: &[bool]) {
     for (v, output) in outputs.iter().enumerate() {
         let often = Obligation {
-            kind: Kind::Justice,
+            kind: FormulaKind::Justice,
             expr: Expr::now(VarId(v as u32)),
         };
         let side = if *output {

@@ -4,8 +4,8 @@ use super::LONGEST;
 use super::logic::{Logic as L, Logic, read};
 use super::play::Player;
 use super::words::{Lanes, every_lasso, same};
-use linewright::gr1::monitors::{Kind, Monitors, Obligation, Origin};
-use linewright::gr1::{BinaryOp, Domain, Expr, VarId};
+use linewright::gr1::monitors::{Monitors, Obligation, Origin};
+use linewright::gr1::{BinaryOp, Domain, Expr, FormulaKind, VarId};
 
 /// A past formula, operator by operator through the interface used by importers.
 fn lower(monitors: &mut Monitors, formula: &Logic) -> Expr {
@@ -55,7 +55,7 @@ fn agree(formula: &Logic, rounds: usize) {
     let mut monitors = Monitors::new(VarId(2), []);
     let expr = lower(&mut monitors, formula);
     let always = Obligation {
-        kind: Kind::Invariant,
+        kind: FormulaKind::Invariant,
         expr: expr.clone(),
     };
     let player = Player::new(2, &monitors, &[always], Some(&expr));

@@ -2,8 +2,8 @@
 
 use super::circuit::{Circuit, Wire};
 use super::words::{Lanes, Lassos, same};
-use linewright::gr1::monitors::{Kind, Monitors, Obligation};
-use linewright::gr1::{Expr, Time, VarId};
+use linewright::gr1::monitors::{Monitors, Obligation};
+use linewright::gr1::{Expr, FormulaKind, Time, VarId};
 
 /// The obligations of one formula by kind.
 #[derive(Default)]
@@ -82,10 +82,10 @@ impl Player {
             for obligation in obligations {
                 let wire = circuit.truth(&obligation.expr);
                 match obligation.kind {
-                    Kind::Initial => found.initial.push(wire),
-                    Kind::Invariant => found.invariants.push(wire),
-                    Kind::Safety => found.safety.push(wire),
-                    Kind::Justice => found.justice.push(wire),
+                    FormulaKind::Initial => found.initial.push(wire),
+                    FormulaKind::Invariant => found.invariants.push(wire),
+                    FormulaKind::Safety => found.safety.push(wire),
+                    FormulaKind::Justice => found.justice.push(wire),
                 }
             }
             found
@@ -99,9 +99,9 @@ impl Player {
             obligation.expr.for_each_var(&mut |v, time| {
                 let monitor = monitors.get(v).is_some();
                 let allowed = match obligation.kind {
-                    Kind::Initial | Kind::Invariant => !monitor && time == Time::Now,
-                    Kind::Safety => !monitor || time == Time::Now,
-                    Kind::Justice => true,
+                    FormulaKind::Initial | FormulaKind::Invariant => !monitor && time == Time::Now,
+                    FormulaKind::Safety => !monitor || time == Time::Now,
+                    FormulaKind::Justice => true,
                 };
                 assert!(allowed, "{obligation:?} mentions {v:?}");
             });

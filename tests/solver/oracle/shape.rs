@@ -2,8 +2,10 @@
 //! `game::WeaknessFindings` word for word.
 
 use crate::game::{Board, Relation, Set, Subset, value};
-use linewright::game::{GuaranteeKind as Kind, GuaranteeRef, WeaknessFindings};
-use linewright::gr1::{BinaryOp, Expr, Formula, Owner, Side, Time, Timing, VarId};
+use linewright::game::{GuaranteeRef, WeaknessFindings};
+use linewright::gr1::{
+    BinaryOp, Expr, Formula, FormulaKind as Kind, Owner, Side, Time, Timing, VarId,
+};
 
 /// Valuations and steps that can occur under controllers.
 struct Occurring {

@@ -4,8 +4,8 @@
 use super::ways::{Extent, Tried, agree, complete};
 use crate::game::{Board, Subset};
 use crate::random::{Random, specification, specification_with_goals};
-use linewright::game::{GuaranteeKind, GuaranteeRef};
-use linewright::gr1::{Domain, Formula, Specification, Timing};
+use linewright::game::GuaranteeRef;
+use linewright::gr1::{Domain, Formula, FormulaKind, Specification, Timing};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
@@ -98,9 +98,9 @@ fn play(specification: &Specification, seed: u64) -> Counts {
     } else {
         let sides = &specification.guarantees;
         let lists = [
-            (GuaranteeKind::Initial, sides.initial.len()),
-            (GuaranteeKind::Invariant, sides.invariants.len()),
-            (GuaranteeKind::Safety, sides.safety.len()),
+            (FormulaKind::Initial, sides.initial.len()),
+            (FormulaKind::Invariant, sides.invariants.len()),
+            (FormulaKind::Safety, sides.safety.len()),
         ];
         let refs = lists
             .into_iter()

@@ -13,11 +13,9 @@ use crate::machine::COMPLETES;
 use crate::proof::{Exports, Open, Refutation};
 use crate::replay::formula;
 use crate::system::FormulaRef;
-use linewright_core::gr1::{Expr, Time, VarId};
+use linewright_core::gr1::{Expr, FormulaKind, Time, VarId};
 use linewright_core::source::Span;
-use linewright_solver::game::{
-    Lasso, Limit, Limits, Rule, RuleKind, RunQuery, Runs, SafetyViolationQuery,
-};
+use linewright_solver::game::{Lasso, Limit, Limits, Rule, RunQuery, Runs, SafetyViolationQuery};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum size of a composition in bits of state. Larger compositions would take too long; a proof
@@ -67,7 +65,7 @@ struct ClosedDecider<'a> {
 }
 
 impl ClosedDecider<'_> {
-    fn add(&mut self, kind: RuleKind, expr: Expr) -> usize {
+    fn add(&mut self, kind: FormulaKind, expr: Expr) -> usize {
         self.runs.add(Rule { kind, expr })
     }
 
@@ -201,7 +199,7 @@ impl ClosedDecider<'_> {
     /// contract are relied on once its justice assumptions are met.
     fn justice(&mut self) -> Result<(), Limit> {
         for at in self.book.exported.clone() {
-            if at.kind == RuleKind::Justice {
+            if at.kind == FormulaKind::Justice {
                 self.record_met(at);
             }
         }
@@ -269,7 +267,7 @@ impl ClosedDecider<'_> {
 
     fn goals(&mut self) -> Result<(), Limit> {
         for (at, rule) in self.book.goals.clone() {
-            if at.kind == RuleKind::Justice {
+            if at.kind == FormulaKind::Justice {
                 match self.starved(rule)? {
                     None => self.record_met(at),
                     Some(lasso) => self.record_open(at, Refutation::Lasso(lasso)),
@@ -299,17 +297,17 @@ impl ClosedDecider<'_> {
         };
         let Rule { kind, expr } = self.runs.rules()[rule].clone();
         let (first, later) = match kind {
-            RuleKind::Initial => (expr.not(), Expr::FALSE),
-            RuleKind::Safety | RuleKind::Justice => (Expr::FALSE, expr.not()),
-            RuleKind::Invariant => {
+            FormulaKind::Initial => (expr.not(), Expr::FALSE),
+            FormulaKind::Safety | FormulaKind::Justice => (Expr::FALSE, expr.not()),
+            FormulaKind::Invariant => {
                 let next = expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
                 (expr.not(), next.not())
             }
         };
-        let start = self.add(RuleKind::Initial, Expr::now(violated).equals(first));
+        let start = self.add(FormulaKind::Initial, Expr::now(violated).equals(first));
         let on = Expr::next(violated).equals(Expr::now(violated).or(later));
-        let on = self.add(RuleKind::Safety, on);
-        let seen = self.add(RuleKind::Justice, Expr::now(violated));
+        let on = self.add(FormulaKind::Safety, on);
+        let seen = self.add(FormulaKind::Justice, Expr::now(violated));
         let mut query = RunQuery {
             keep: self.book.keep.clone(),
             infinitely_often: self.reliable_justice(),
@@ -349,7 +347,7 @@ impl ClosedDecider<'_> {
             return Ok(Some(FailureKind::NeverBegins(by)));
         }
         let in_order = watch.in_order(machine, operation);
-        let in_order = self.add(RuleKind::Invariant, in_order);
+        let in_order = self.add(FormulaKind::Invariant, in_order);
         if let Some(trace) = self.violation(keep, in_order)? {
             return Ok(Some(FailureKind::Order(trace)));
         }
@@ -361,7 +359,7 @@ impl ClosedDecider<'_> {
         }
         let done = machine.done.clone().unwrap_or(Expr::FALSE);
         let runs = watch.runs(machine, operation);
-        let ends = self.add(RuleKind::Justice, done.or(runs.not()).simplify());
+        let ends = self.add(FormulaKind::Justice, done.or(runs.not()).simplify());
         Ok(self.starved(ends)?.map(FailureKind::Endless))
     }
 

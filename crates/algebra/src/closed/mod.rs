@@ -31,11 +31,11 @@ pub use watch::Watch;
 use super::caller::CalledMachine;
 use super::machine::{of_machine, of_refined_contract};
 use super::proof::{Claim, Exports, Open, latest};
-use super::system::{Component, ContractSide, FormulaRef, System, formulas};
-use linewright_core::gr1::{Domain, Expr, Formula, Owner, Timing, VarId, Variable};
+use super::system::{Component, ContractSide, FormulaRef, System};
+use linewright_core::gr1::{Domain, Expr, Formula, FormulaKind, Owner, Timing, VarId, Variable};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, RefinedContract};
-use linewright_solver::game::{Lasso, Limit, Limits, RuleKind};
+use linewright_solver::game::{Lasso, Limit, Limits};
 use linewright_solver::mealy::Controller;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -282,29 +282,32 @@ impl<'a> ClosedComposition<'a> {
 
     /// Returns the assumptions of a component.
     fn assumed(&self, component: usize) -> impl Iterator<Item = (FormulaRef, &Formula)> {
-        formulas(&self.component(component).assumptions).map(move |(kind, index, formula)| {
-            let component = Some(component);
-            let half = ContractSide::Assumptions;
-            let at = FormulaRef {
-                component,
-                half,
-                kind,
-                index,
-            };
-            (at, formula)
-        })
+        self.component(component)
+            .assumptions
+            .formulas()
+            .map(move |(kind, index, formula)| {
+                let component = Some(component);
+                let half = ContractSide::Assumptions;
+                let at = FormulaRef {
+                    component,
+                    half,
+                    kind,
+                    index,
+                };
+                (at, formula)
+            })
     }
 
     /// Returns whether an assumption is exported to the environment, either in every step or in the
     /// first step of each call.
-    pub fn is_exported(&self, kind: RuleKind, formula: &Formula) -> bool {
+    pub fn is_exported(&self, kind: FormulaKind, formula: &Formula) -> bool {
         let may = match &self.claim.exports {
             Exports::Never => false,
             Exports::Always => true,
-            Exports::After(_) => kind != RuleKind::Justice,
+            Exports::After(_) => kind != FormulaKind::Justice,
         };
         let mut mentioned: BTreeSet<VarId> = latest(&formula.expr, kind);
-        if kind == RuleKind::Justice {
+        if kind == FormulaKind::Justice {
             formula.expr.for_each_var(&mut |v, _| {
                 mentioned.insert(v);
             });

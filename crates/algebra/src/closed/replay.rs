@@ -5,10 +5,10 @@
 use super::{ClosedComposition, FailureKind, OperationFailure, StuckComponent};
 use crate::proof::{Exports, Open, Refutation};
 use crate::replay::{formula, holds_at, keeps_formula};
-use crate::system::{FormulaRef, formulas, list};
-use linewright_core::gr1::{Formula, Timing, eval};
+use crate::system::FormulaRef;
+use linewright_core::gr1::{Formula, FormulaKind, Timing, eval};
 use linewright_language::contract::machine::PlantSource;
-use linewright_solver::game::{Lasso, RuleKind};
+use linewright_solver::game::Lasso;
 use linewright_solver::mealy::{Controller, functions};
 
 /// Maximum number of repetitions of a cycle until the controllers return to an earlier state.
@@ -146,7 +146,7 @@ impl ClosedComposition<'_> {
         let beside = &self.system.components[self.participants.len()..];
         let sides = beside.iter().map(|p| &p.definitions);
         for side in sides.chain([&self.claim.given]) {
-            for (kind, _, formula) in formulas(side) {
+            for (kind, _, formula) in side.formulas() {
                 if !holds_at(kind, formula, steps, at) {
                     return Err(format!("step {at} breaks {}", formula.name));
                 }
@@ -273,7 +273,7 @@ impl ClosedComposition<'_> {
         for _ in 0..MAX_ROUNDS {
             if seen.contains(&replay.places) {
                 let mut justice = self.claim.given.justice.iter();
-                return match justice.find(|f| !keeps_formula(RuleKind::Justice, f, run)) {
+                return match justice.find(|f| !keeps_formula(FormulaKind::Justice, f, run)) {
                     Some(starved) => Err(format!("the run starves {}", starved.name)),
                     None => self.check_exported_justice(run),
                 };
@@ -288,9 +288,13 @@ impl ClosedComposition<'_> {
 
     fn check_exported_justice(&self, run: &Lasso) -> Result<(), String> {
         for component in 0..self.participants.len() {
-            for formula in list(&self.component(component).assumptions, RuleKind::Justice) {
-                if self.is_exported(RuleKind::Justice, formula)
-                    && !keeps_formula(RuleKind::Justice, formula, run)
+            for formula in self
+                .component(component)
+                .assumptions
+                .list(FormulaKind::Justice)
+            {
+                if self.is_exported(FormulaKind::Justice, formula)
+                    && !keeps_formula(FormulaKind::Justice, formula, run)
                 {
                     return Err(format!("the run starves {}", formula.name));
                 }

@@ -3,9 +3,9 @@
 use super::table::{StepCondition, Table, any, conjunction};
 use super::{ClosedComposition, Form};
 use crate::proof::Exports;
-use crate::system::{FormulaRef, KINDS, list, rule};
-use linewright_core::gr1::{Expr, Formula, Side, Time, VarId};
-use linewright_solver::game::{Rule, RuleKind};
+use crate::system::{FormulaRef, rule};
+use linewright_core::gr1::{Expr, Formula, FormulaKind, Side, Time, VarId};
+use linewright_solver::game::Rule;
 
 /// An obligation of a component in a step, which has to be met before the component answers or
 /// advances.
@@ -82,7 +82,7 @@ impl RuleSet {
                 Form::Contract => book.add_contract(closed, component),
             }
             for (at, formula) in closed.assumed(component) {
-                if at.kind != RuleKind::Justice {
+                if at.kind != FormulaKind::Justice {
                     let kept = book.add(rule(at.kind, &formula.expr));
                     book.keep.push(kept);
                     book.kept.push((at, kept));
@@ -119,7 +119,7 @@ impl RuleSet {
         let given = &closed.claim.given;
         self.add_side(given);
         for formula in &given.justice {
-            let rule = self.add(rule(RuleKind::Justice, &formula.expr));
+            let rule = self.add(rule(FormulaKind::Justice, &formula.expr));
             self.environment_justice.push(rule);
         }
         for (index, component) in closed.system.components.iter().enumerate() {
@@ -136,8 +136,11 @@ impl RuleSet {
     }
 
     fn add_side(&mut self, side: &Side) {
-        for kind in KINDS.into_iter().filter(|k| *k != RuleKind::Justice) {
-            for formula in list(side, kind) {
+        for kind in FormulaKind::ALL
+            .into_iter()
+            .filter(|k| *k != FormulaKind::Justice)
+        {
+            for formula in side.list(kind) {
                 self.add_always(rule(kind, &formula.expr));
             }
         }
@@ -151,8 +154,8 @@ impl RuleSet {
                     continue;
                 }
                 self.exported.push(at);
-                if at.kind == RuleKind::Justice {
-                    let rule = self.add(rule(RuleKind::Justice, &formula.expr));
+                if at.kind == FormulaKind::Justice {
+                    let rule = self.add(rule(FormulaKind::Justice, &formula.expr));
                     self.environment_justice.push(rule);
                     continue;
                 }
@@ -191,15 +194,18 @@ impl RuleSet {
     fn add_contract(&mut self, closed: &ClosedComposition<'_>, component: usize) {
         let assumed = closed
             .assumed(component)
-            .filter(|(at, _)| at.kind != RuleKind::Justice);
+            .filter(|(at, _)| at.kind != FormulaKind::Justice);
         let (first, later) = assumed
             .map(|(at, formula)| in_step(at.kind, formula))
             .map(|condition| (condition.first, condition.later))
             .unzip();
         let (first, later) = (conjunction(first), conjunction(later));
         let guarantees = &closed.component(component).guarantees;
-        for kind in KINDS.into_iter().filter(|k| *k != RuleKind::Justice) {
-            for formula in list(guarantees, kind) {
+        for kind in FormulaKind::ALL
+            .into_iter()
+            .filter(|k| *k != FormulaKind::Justice)
+        {
+            for formula in guarantees.list(kind) {
                 let kept = self.add(rule(kind, &formula.expr));
                 self.keep.push(kept);
                 let condition = in_step(kind, formula);
@@ -213,7 +219,7 @@ impl RuleSet {
         let guaranteed = guarantees
             .justice
             .iter()
-            .map(|f| self.add(rule(RuleKind::Justice, &f.expr)));
+            .map(|f| self.add(rule(FormulaKind::Justice, &f.expr)));
         let guaranteed = guaranteed.collect();
         self.justice.push(ComponentJustice {
             guaranteed,
@@ -232,9 +238,9 @@ impl RuleSet {
         for component in order {
             for (at, formula) in closed.assumed(component) {
                 let exported = self.exported.contains(&at);
-                if at.kind == RuleKind::Justice {
+                if at.kind == FormulaKind::Justice {
                     if !exported {
-                        let rule = self.add(rule(RuleKind::Justice, &formula.expr));
+                        let rule = self.add(rule(FormulaKind::Justice, &formula.expr));
                         self.justice[component].assumed.push((at, rule));
                     }
                     continue;
@@ -304,22 +310,22 @@ impl ClosedComposition<'_> {
 }
 
 /// Returns the condition that a formula puts on step 0 and on later steps; always true for justice.
-fn in_step(kind: RuleKind, formula: &Formula) -> StepCondition {
+fn in_step(kind: FormulaKind, formula: &Formula) -> StepCondition {
     let expr = &formula.expr;
     match kind {
-        RuleKind::Initial => StepCondition {
+        FormulaKind::Initial => StepCondition {
             first: expr.clone(),
             later: Expr::TRUE,
         },
-        RuleKind::Invariant => StepCondition {
+        FormulaKind::Invariant => StepCondition {
             first: expr.clone(),
             later: expr.substitute(&mut |v: VarId, _| Expr::Var(v, Time::Next)),
         },
-        RuleKind::Safety => StepCondition {
+        FormulaKind::Safety => StepCondition {
             first: Expr::TRUE,
             later: expr.clone(),
         },
-        RuleKind::Justice => StepCondition {
+        FormulaKind::Justice => StepCondition {
             first: Expr::TRUE,
             later: Expr::TRUE,
         },

@@ -7,9 +7,8 @@
 //! as the others still contradict each other.
 
 use super::{ClosedComposition, StuckComponent};
-use crate::system::formulas;
-use linewright_core::gr1::{Expr, Formula, Owner, Time, VarId, eval};
-use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
+use linewright_core::gr1::{Expr, Formula, FormulaKind, Owner, Time, VarId, eval};
+use linewright_solver::game::{Limit, Limits, Rule, Runs, SafetyViolationQuery};
 
 impl ClosedComposition<'_> {
     /// Returns a minimal set of contradictory assumptions of a silent component: no inputs satisfy
@@ -31,14 +30,14 @@ impl ClosedComposition<'_> {
             .map(|at| self.own(stuck.component, &stuck.trace[at]));
         let mut asked: Vec<&Formula> = Vec::new();
         let mut rules = Vec::new();
-        for (kind, _, formula) in formulas(&specification.assumptions) {
+        for (kind, _, formula) in specification.assumptions.formulas() {
             if let Some(expr) = in_step(kind, formula, before.as_deref()) {
-                let kind = RuleKind::Initial;
+                let kind = FormulaKind::Initial;
                 rules.push(Rule { kind, expr });
                 asked.push(formula);
             }
         }
-        let kind = RuleKind::Initial;
+        let kind = FormulaKind::Initial;
         let expr = Expr::FALSE;
         let broken = rules.len();
         rules.push(Rule { kind, expr });
@@ -82,10 +81,10 @@ impl ClosedComposition<'_> {
 
 /// Returns the condition that an assumption puts on the values of a step after the values `before`,
 /// or of step 0 without them; `None` if it puts none.
-fn in_step(kind: RuleKind, formula: &Formula, before: Option<&[i64]>) -> Option<Expr> {
+fn in_step(kind: FormulaKind, formula: &Formula, before: Option<&[i64]>) -> Option<Expr> {
     match (kind, before) {
-        (RuleKind::Initial, None) | (RuleKind::Invariant, _) => Some(formula.expr.clone()),
-        (RuleKind::Safety, Some(before)) => {
+        (FormulaKind::Initial, None) | (FormulaKind::Invariant, _) => Some(formula.expr.clone()),
+        (FormulaKind::Safety, Some(before)) => {
             Some(formula.expr.substitute(&mut |v: VarId, time| match time {
                 Time::Now => Expr::Const(before[v.index()]),
                 Time::Next => Expr::Var(v, Time::Now),

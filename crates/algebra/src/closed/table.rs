@@ -8,8 +8,8 @@
 //! variable is added ([`TableStates`]): it selects one of the states to which rows with these
 //! outputs lead.
 
-use linewright_core::gr1::{BinaryOp, Expr, Time, Timing, VarId};
-use linewright_solver::game::{Rule, RuleKind};
+use linewright_core::gr1::{BinaryOp, Expr, FormulaKind, Time, Timing, VarId};
+use linewright_solver::game::Rule;
 use linewright_solver::mealy::{Guard, Machine, Test, Transition};
 use std::collections::BTreeMap;
 
@@ -86,11 +86,11 @@ impl StepCondition {
     pub fn rules(self) -> [Rule; 2] {
         [
             Rule {
-                kind: RuleKind::Initial,
+                kind: FormulaKind::Initial,
                 expr: self.first,
             },
             Rule {
-                kind: RuleKind::Safety,
+                kind: FormulaKind::Safety,
                 expr: self.later,
             },
         ]

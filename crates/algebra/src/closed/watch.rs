@@ -8,9 +8,9 @@
 
 use super::add_internal_variable;
 use crate::system::System;
-use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
+use linewright_core::gr1::{BinaryOp, Domain, Expr, FormulaKind, Time, VarId};
 use linewright_language::contract::machine::{Machine, PlantSource};
-use linewright_solver::game::{Rule, RuleKind};
+use linewright_solver::game::Rule;
 
 /// Variables that track the actions of operations.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,11 +62,11 @@ impl Watch {
         let first = choose(begins(Time::Now), Expr::Const(1), Expr::Const(0));
         [
             Rule {
-                kind: RuleKind::Initial,
+                kind: FormulaKind::Initial,
                 expr: Expr::now(self.begun).equals(first).simplify(),
             },
             Rule {
-                kind: RuleKind::Safety,
+                kind: FormulaKind::Safety,
                 expr: Expr::next(self.begun).equals(more).simplify(),
             },
         ]
@@ -86,11 +86,11 @@ impl Watch {
         let done = machine.done.clone().unwrap_or(Expr::FALSE);
         [
             Rule {
-                kind: RuleKind::Initial,
+                kind: FormulaKind::Initial,
                 expr: runs.not().simplify(),
             },
             Rule {
-                kind: RuleKind::Safety,
+                kind: FormulaKind::Safety,
                 expr: done.implies(next.not()).simplify(),
             },
         ]

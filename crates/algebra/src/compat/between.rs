@@ -7,9 +7,10 @@
 
 use super::{Game, auxiliary, of_last_step};
 use crate::proof::last_step;
-use crate::system::{System, formulas};
-use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId};
-use linewright_solver::game::RuleKind;
+use crate::system::System;
+use linewright_core::gr1::{
+    Domain, Expr, Formula, FormulaKind, Owner, Side, Specification, Timing, VarId,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Translates conditions on a step to conditions on the step after it.
@@ -24,9 +25,9 @@ struct Delay<'s> {
 impl Delay<'_> {
     /// Translates a formula. Values of the last step that it constrains are taken from `copies` if
     /// there is a copy; otherwise late values are those of the next state, where they are known.
-    fn of(&self, kind: RuleKind, expr: &Expr, copies: &BTreeMap<VarId, VarId>) -> Expr {
+    fn of(&self, kind: FormulaKind, expr: &Expr, copies: &BTreeMap<VarId, VarId>) -> Expr {
         let expr = expr.substitute(&mut |v, time| {
-            if kind == RuleKind::Justice || time != last_step(kind) {
+            if kind == FormulaKind::Justice || time != last_step(kind) {
                 let known = Some(&v).filter(|v| (self.late)(v));
                 return Expr::now(*known.or(self.past.get(&v)).unwrap_or(&v));
             }
@@ -37,9 +38,9 @@ impl Delay<'_> {
             }
         });
         match kind {
-            RuleKind::Initial => Expr::now(self.first).implies(expr),
-            RuleKind::Safety => Expr::now(self.first).or(expr),
-            RuleKind::Invariant | RuleKind::Justice => expr,
+            FormulaKind::Initial => Expr::now(self.first).implies(expr),
+            FormulaKind::Safety => Expr::now(self.first).or(expr),
+            FormulaKind::Invariant | FormulaKind::Justice => expr,
         }
     }
 
@@ -49,8 +50,8 @@ impl Delay<'_> {
         sides: impl Iterator<Item = &'f Side>,
         copies: &BTreeMap<VarId, VarId>,
     ) -> Expr {
-        let asked = sides.flat_map(formulas);
-        let asked = asked.filter(|(kind, ..)| *kind != RuleKind::Justice);
+        let asked = sides.flat_map(Side::formulas);
+        let asked = asked.filter(|(kind, ..)| *kind != FormulaKind::Justice);
         asked.fold(Expr::Const(1), |all, (kind, _, f)| {
             all.and(self.of(kind, &f.expr, copies))
         })
@@ -106,15 +107,15 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
             .push(auxiliary(Expr::next(*copy).equals(Expr::now(*v))));
     }
     for f in guaranteed().flat_map(|side| &side.justice) {
-        let expr = delay.of(RuleKind::Justice, &f.expr, &none);
+        let expr = delay.of(FormulaKind::Justice, &f.expr, &none);
         rules.justice.push(Formula { expr, ..f.clone() });
     }
     let answered = delay.all(defining(), &answers);
     let spared = Expr::now(violated).or(has_allowed_answer.not());
     let mut guarantees = Side::default();
-    for (kind, _, f) in assumed().flat_map(formulas) {
+    for (kind, _, f) in assumed().flat_map(Side::formulas) {
         let asked = delay.of(kind, &f.expr, &none);
-        if kind == RuleKind::Justice {
+        if kind == FormulaKind::Justice {
             let expr = asked.or(Expr::now(violated));
             guarantees.justice.push(Formula { expr, ..f.clone() });
             continue;
@@ -134,9 +135,9 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
 /// step late.
 fn of_the_step_before(side: &Side) -> BTreeSet<VarId> {
     let mut found = BTreeSet::new();
-    for (kind, _, f) in formulas(side) {
+    for (kind, _, f) in side.formulas() {
         f.expr.for_each_var(&mut |v, time| {
-            if kind == RuleKind::Justice || time != last_step(kind) {
+            if kind == FormulaKind::Justice || time != last_step(kind) {
                 found.insert(v);
             }
         });

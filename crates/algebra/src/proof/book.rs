@@ -1,11 +1,11 @@
 //! The formulas of a system and a claim as numbered rules, with the variables that each rule
 //! mentions and defines.
 
-use super::super::system::{ContractSide, FormulaRef, System, formulas, rule};
+use super::super::system::{ContractSide, FormulaRef, System, rule};
 use super::Claim;
-use linewright_core::gr1::{Domain, Expr, Owner, Side, Time, Timing, VarId, Variable};
+use linewright_core::gr1::{Domain, Expr, FormulaKind, Owner, Side, Time, Timing, VarId, Variable};
 use linewright_core::source::Span;
-use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs};
+use linewright_solver::game::{Limit, Limits, Rule, Runs};
 use std::collections::BTreeSet;
 
 /// Origin of a rule, and whether other proofs can rely on it within a step.
@@ -56,7 +56,7 @@ impl<'a> ProofRules<'a> {
         let mut rules = Vec::new();
         let mut entries = Vec::new();
         let mut add = |side: &Side, component: Option<usize>, half: Option<ContractSide>| {
-            for (kind, index, formula) in formulas(side) {
+            for (kind, index, formula) in side.formulas() {
                 entries.push(entry(system, &formula.expr, kind, index, component, half));
                 rules.push(rule(kind, &formula.expr));
             }
@@ -93,7 +93,7 @@ impl<'a> ProofRules<'a> {
 
     /// Returns whether a rule is a justice rule.
     pub fn is_justice(&self, index: usize) -> bool {
-        self.rule(index).kind == RuleKind::Justice
+        self.rule(index).kind == FormulaKind::Justice
     }
 
     /// Returns the numbers of the rules whose formulas satisfy a condition; definitions of monitors
@@ -191,15 +191,15 @@ pub fn mentions(expr: &Expr) -> BTreeSet<VarId> {
 
 /// Returns whether the last step that a formula of this kind constrains is the current or the next
 /// one.
-pub fn last_step(kind: RuleKind) -> Time {
+pub fn last_step(kind: FormulaKind) -> Time {
     match kind {
-        RuleKind::Safety => Time::Next,
+        FormulaKind::Safety => Time::Next,
         _ => Time::Now,
     }
 }
 
 /// Returns the variables that a formula reads in the last step that it constrains.
-pub fn latest(expr: &Expr, kind: RuleKind) -> BTreeSet<VarId> {
+pub fn latest(expr: &Expr, kind: FormulaKind) -> BTreeSet<VarId> {
     let time = last_step(kind);
     let mut found = BTreeSet::new();
     expr.for_each_var(&mut |v, t| {
@@ -213,7 +213,7 @@ pub fn latest(expr: &Expr, kind: RuleKind) -> BTreeSet<VarId> {
 fn entry(
     system: &System,
     expr: &Expr,
-    kind: RuleKind,
+    kind: FormulaKind,
     index: usize,
     component: Option<usize>,
     half: Option<ContractSide>,

@@ -4,8 +4,8 @@
 use super::super::system::FormulaRef;
 use super::prover::{ALL, ObligationResult, Prover, is_goal};
 use super::{DischargeRule, Open, Reach, Refutation};
-use linewright_core::gr1::{Expr, Time};
-use linewright_solver::game::{Lasso, Limit, Rule, RuleKind};
+use linewright_core::gr1::{Expr, FormulaKind, Time};
+use linewright_solver::game::{Lasso, Limit, Rule};
 use std::collections::{BTreeSet, VecDeque};
 
 /// Maximum numbers of rings in the attempts to prove justice from near rules, in this order.
@@ -224,8 +224,8 @@ impl<'a> Prover<'a> {
     /// Tries to prove safety of the goal from all hypotheses and all safety assumptions.
     fn step_of_goal(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
         let mut all = self.with_assumptions(self.hypotheses());
-        if self.book.rule(rule).kind == RuleKind::Initial {
-            let first = [RuleKind::Initial, RuleKind::Invariant];
+        if self.book.rule(rule).kind == FormulaKind::Initial {
+            let first = [FormulaKind::Initial, FormulaKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         if let Some(trace) = self.step(&all, rule, None)? {
@@ -245,27 +245,27 @@ impl<'a> Prover<'a> {
         let violated = self.book.violated;
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let first = match kind {
-            RuleKind::Safety | RuleKind::Justice => Expr::FALSE,
-            RuleKind::Initial | RuleKind::Invariant => expr.clone().not(),
+            FormulaKind::Safety | FormulaKind::Justice => Expr::FALSE,
+            FormulaKind::Initial | FormulaKind::Invariant => expr.clone().not(),
         };
         let later = match kind {
-            RuleKind::Initial | RuleKind::Justice => Expr::FALSE,
-            RuleKind::Invariant => {
+            FormulaKind::Initial | FormulaKind::Justice => Expr::FALSE,
+            FormulaKind::Invariant => {
                 let next = expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
                 next.not()
             }
-            RuleKind::Safety => expr.clone().not(),
+            FormulaKind::Safety => expr.clone().not(),
         };
         let start = self.book.add(Rule {
-            kind: RuleKind::Initial,
+            kind: FormulaKind::Initial,
             expr: Expr::now(violated).equals(first),
         });
         let on = self.book.add(Rule {
-            kind: RuleKind::Safety,
+            kind: FormulaKind::Safety,
             expr: Expr::next(violated).equals(Expr::now(violated).or(later)),
         });
         let seen = self.book.add(Rule {
-            kind: RuleKind::Justice,
+            kind: FormulaKind::Justice,
             expr: Expr::now(violated),
         });
         let candidates = self.with_assumptions(self.reasons(reliable));

@@ -3,7 +3,8 @@
 use super::loops::cycle_through;
 use super::prover::{ALL, Prover, is_assumption, is_given, is_guarantee};
 use super::{Cycle, DischargeRule, Open, Refutation};
-use linewright_solver::game::{Lasso, Limit, RuleKind, RunQuery};
+use linewright_core::gr1::FormulaKind;
+use linewright_solver::game::{Lasso, Limit, RunQuery};
 use std::collections::BTreeSet;
 
 impl Prover<'_> {
@@ -125,7 +126,7 @@ impl Prover<'_> {
     pub(super) fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
         let mut found = self.hypotheses();
         found.extend(self.book.rules_where(|at| {
-            at.kind == RuleKind::Justice
+            at.kind == FormulaKind::Justice
                 && (is_given(*at)
                     || (is_guarantee(*at) && at.component.is_some_and(|p| reliable.contains(&p))))
         }));

@@ -32,7 +32,7 @@ mod prover;
 
 pub use book::{last_step, latest};
 
-use super::system::{ContractSide, FormulaRef, System, formulas, list_mut};
+use super::system::{ContractSide, FormulaRef, System};
 use linewright_core::gr1::{Formula, Side, VarId};
 use linewright_solver::game::{Lasso, Limit, Limits};
 use std::collections::{BTreeMap, BTreeSet};
@@ -61,7 +61,7 @@ pub struct Claim {
 impl Claim {
     /// Returns the formulas of the goal and their references.
     pub fn goals(&self) -> impl Iterator<Item = (FormulaRef, &Formula)> {
-        formulas(&self.goal).map(|(kind, index, formula)| {
+        self.goal.formulas().map(|(kind, index, formula)| {
             let at = FormulaRef {
                 component: None,
                 half: ContractSide::Guarantees,
@@ -78,7 +78,7 @@ impl Claim {
     pub fn only(&self, wanted: impl Fn(FormulaRef) -> bool) -> Self {
         let mut goal = Side::default();
         for (at, formula) in self.goals().filter(|(at, _)| wanted(*at)) {
-            list_mut(&mut goal, at.kind).push(formula.clone());
+            goal.list_mut(at.kind).push(formula.clone());
         }
         Self {
             goal,

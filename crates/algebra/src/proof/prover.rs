@@ -4,8 +4,8 @@ use super::super::system::{ContractSide, FormulaRef, System};
 use super::book::{ProofRules, latest};
 use super::loops::AnswerDependencies;
 use super::{Claim, Discharge, DischargeRule, Exports, Open, Proof, Refutation};
-use linewright_core::gr1::{Expr, Time};
-use linewright_solver::game::{Limit, Limits, Rule, RuleKind, SafetyViolationQuery, quick_xplain};
+use linewright_core::gr1::{Expr, FormulaKind, Time};
+use linewright_solver::game::{Limit, Limits, Rule, SafetyViolationQuery, quick_xplain};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Number of rings of rules that count as near.
@@ -121,8 +121,8 @@ impl<'a> Prover<'a> {
         let system = self.book.system;
         let mut edges = waits.components.clone();
         for (i, component) in system.components.iter().enumerate() {
-            for (kind, _, formula) in super::super::system::formulas(&component.assumptions) {
-                if kind != RuleKind::Justice {
+            for (kind, _, formula) in component.assumptions.formulas() {
+                if kind != FormulaKind::Justice {
                     let read = latest(&formula.expr, kind);
                     let drivers = read.iter().filter_map(|v| system.driver(*v));
                     edges[i].extend(drivers.filter(|j| *j != i));
@@ -357,8 +357,8 @@ impl<'a> Prover<'a> {
         }
         // All other assumptions were also kept in earlier steps.
         let mut all = self.with_assumptions(self.hypotheses());
-        if self.book.rule(rule).kind == RuleKind::Initial {
-            let first = [RuleKind::Initial, RuleKind::Invariant];
+        if self.book.rule(rule).kind == FormulaKind::Initial {
+            let first = [FormulaKind::Initial, FormulaKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         if let Some(trace) = self.step(&all, rule, Some(component))? {
@@ -392,9 +392,9 @@ impl<'a> Prover<'a> {
                 return Ok(found);
             }
         }
-        if self.book.rule(rule).kind == RuleKind::Initial {
+        if self.book.rule(rule).kind == FormulaKind::Initial {
             // Only these kinds of rules constrain step 0.
-            let first = [RuleKind::Initial, RuleKind::Invariant];
+            let first = [FormulaKind::Initial, FormulaKind::Invariant];
             candidates.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         self.minimal(rule, &candidates, rings, &mut |p, kept| {
@@ -527,18 +527,18 @@ impl<'a> Prover<'a> {
             Exports::Never => return Ok(Err(None)),
             _ if !outside => return Ok(Err(None)),
             Exports::Always => return Ok(Ok(Vec::new())),
-            Exports::After(_) if kind == RuleKind::Initial => return Ok(Ok(Vec::new())),
-            Exports::After(_) if kind == RuleKind::Justice => return Ok(Err(None)),
+            Exports::After(_) if kind == FormulaKind::Initial => return Ok(Ok(Vec::new())),
+            Exports::After(_) if kind == FormulaKind::Justice => return Ok(Err(None)),
             Exports::After(after) => after.clone(),
         };
         let next = match kind {
-            RuleKind::Invariant => expr.substitute(&mut |v, _| Expr::Var(v, Time::Next)),
+            FormulaKind::Invariant => expr.substitute(&mut |v, _| Expr::Var(v, Time::Next)),
             _ => expr,
         };
         // The assumption itself was kept in all earlier steps: in each, it is either exported or
         // proved here.
         let weaker = self.book.add(Rule {
-            kind: RuleKind::Safety,
+            kind: FormulaKind::Safety,
             expr: after.or(next),
         });
         let component = self.component_of(rule);
@@ -630,7 +630,7 @@ pub(super) fn is_assumption(at: FormulaRef) -> bool {
 }
 
 /// Returns a sort key: components in order, the goal last.
-fn place(at: FormulaRef) -> (usize, RuleKind, usize) {
+fn place(at: FormulaRef) -> (usize, FormulaKind, usize) {
     (at.component.unwrap_or(usize::MAX), at.kind, at.index)
 }
 

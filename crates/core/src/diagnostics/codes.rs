@@ -23,7 +23,8 @@ impl Code {
     /// Returns the group of the code.
     ///
     /// # Panics
-    /// If no group has its first digit. A test checks that every code has a group.
+    /// Panics if no group has the first digit of the code. A test checks that every code has a
+    /// group.
     pub fn group(self) -> &'static Group {
         let start = |g: &&Group| g.pattern[..3] == self.id[..3];
         GROUPS.iter().find(start).expect("every code has a group")
@@ -90,7 +91,7 @@ codes! {
     NUMBER_RANGE = "LW110", "a number is too large";
     UNUSED = "LW111", "a declaration is never used";
     TOO_LARGE = "LW112", "a formula becomes too large";
-    NAMES_ALIKE = "LW113", "two names may mean the same thing";
+    NAMES_ALIKE = "LW113", "two names might mean the same thing";
     COMPARISON_DECIDED = "LW114", "a comparison is always true or always false";
     SKILL = "LW115", "a skill does not fit its component or its order";
 
@@ -100,24 +101,24 @@ codes! {
     GAVE_UP = "LW204", "a limit was reached before there was a verdict";
     NOT_WELL_SEPARATED = "LW205", "the machine can win by breaking the assumptions";
     ENVIRONMENT_EMPTY = "LW206", "no environment keeps the assumptions";
-    NEXT_NESTED = "LW207", "next is nested in next";
+    NEXT_NESTED = "LW207", "`next` is nested in `next`";
     DOMAIN_LEFT = "LW208", "a next value can leave its domain";
     NEXT_OUTPUT_ASSUMED = "LW209", "an assumption refers to the machine's next values";
     PAST = "LW210", "an operator over other steps is out of place";
-    NEXT_BOTH_SIDES = "LW211", "next appears on both sides of an equation";
+    NEXT_BOTH_SIDES = "LW211", "`next` appears on both sides of an equation";
     UNBREAKABLE = "LW212", "a guarantee cannot be broken";
     CONDITION_NEVER_HOLDS = "LW213", "the condition of a formula never holds";
     UNCONSTRAINED = "LW214", "no guarantee restricts an output";
     CONSTANT = "LW215", "an output keeps one value for ever";
     UNFRAMED = "LW216", "an output is unconstrained where it was probably meant to stay";
-    REQUEST_BY_CHANCE = "LW217", "a request may never be completed, whatever the controller";
+    REQUEST_BY_CHANCE = "LW217", "a request might never be completed, whatever the controller does";
     REQUEST_OPEN = "LW218", "no guarantee requires that a request is completed";
     IDLE = "LW219", "a machine that never changes its outputs keeps the contract";
 
     INPUT_UNBOUND = "LW301", "an input of a component is not bound";
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";
     ASSUMPTION_UNDISCHARGED = "LW303", "an assumption is not discharged";
-    REQUEST_INCOMPLETE = "LW304", "an accepted request may never complete";
+    REQUEST_INCOMPLETE = "LW304", "an accepted request might never complete";
     OPERATION = "LW306", "an operation does not fit its coordinator";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";
@@ -139,9 +140,9 @@ codes! {
     LINE_REQUIREMENT = "LW406", "a requirement does not hold";
     LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";
     LINE_CYCLE = "LW408", "parts can deadlock (circular wait)";
-    LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
+    LINE_UNFINISHED = "LW409", "an order might stay unfinished for ever";
     LINE_UNDECIDED = "LW410", "a line is too large to be proved";
-    LINE_FORBIDDEN_REQUEST = "LW411", "a line may request what a machine forbids";
+    LINE_FORBIDDEN_REQUEST = "LW411", "a line can request what a machine forbids";
     LINE_REFUSED = "LW414", "a station refuses a part";
     LINE_VALUE = "LW415", "a value leaves its range";
     LINE_TIMELESS = "LW416", "parts move without any time passing";

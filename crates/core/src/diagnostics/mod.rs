@@ -53,7 +53,7 @@ pub struct Diagnostic {
     pub span: Option<Span>,
     /// Related places, each with a few words.
     pub labels: Vec<(Span, String)>,
-    /// Additional information; each text may have several lines.
+    /// Additional information; each text can have several lines.
     pub notes: Vec<String>,
     /// Suggested next step.
     pub help: Option<String>,

@@ -5,7 +5,8 @@
 //! `cmd` for `command`). The first two are typing mistakes. The third is a guess, so it is tried
 //! last, and only whole words and common engineering abbreviations count.
 
-/// Maximum length of a compared name, in bytes. Longer names are not typing mistakes.
+/// Maximum length of a compared name, in bytes. Longer names are not compared, because they are not
+/// typing mistakes.
 const MAX_NAME_LENGTH: usize = 256;
 
 /// Returns the known name closest to an unknown one, if any is close.

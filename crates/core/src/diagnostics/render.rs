@@ -1,8 +1,8 @@
 //! Findings as text for people: with source lines ([`human`]) or one line each ([`short`]).
 //!
-//! `human` uses annotate-snippets for the layout of rustc, which readers know and whose places
-//! editors recognise. Its output is always coloured; the caller strips the colours where necessary
-//! (anstream). `short` is for build logs and editors' problem matchers:
+//! `human` uses annotate-snippets to produce the layout of rustc: readers know it, and editors
+//! recognise the places in it. Its output is always coloured; the caller strips the colours where
+//! necessary (anstream). `short` is for build logs and editors' problem matchers:
 //! `file:line:column: severity[code]: message`.
 
 use super::{Diagnostic, Severity};
@@ -84,8 +84,8 @@ fn group<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Group<'a> {
     group
 }
 
-/// Returns one snippet per file: first the file of the finding's own place, then those of its
-/// labels in their order. If a line is too long, only its place is shown.
+/// Returns one snippet per file: first the file of the finding's own place, then the files of its
+/// labels, in order. If a line is too long, the snippet shows only the file name and the position.
 fn snippets<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Vec<Element<'a>> {
     let mut files: Vec<FileId> = Vec::new();
     let places = finding
@@ -140,7 +140,7 @@ fn longest(text: &str) -> usize {
 }
 
 /// Returns a span as a range within the text, on character boundaries; the renderer would panic on
-/// other offsets. Trailing white space, which a grammar rule may include, is excluded.
+/// other offsets. Trailing white space, which a grammar rule can include, is excluded.
 fn range(text: &str, span: Span) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());

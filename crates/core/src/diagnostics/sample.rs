@@ -46,7 +46,7 @@ pub fn findings() -> (SourceMap, Vec<Diagnostic>) {
             "the next value of `angle` can be 8, but its domain ends at 7",
         )
         .with_label(place(turn, "0..cells-1"), "with cells = 8 this is 0..7")
-        .with_help("write `min(angle + 1, cells - 1)`, or let it turn over with `mod cells`"),
+        .with_help("write `min(angle + 1, cells - 1)`, or let it wrap around with `mod cells`"),
         Diagnostic::error(
             codes::TYPE_MISMATCH,
             place(turn, "angle\n"),

@@ -198,7 +198,8 @@ impl RenderBackend for Canvas {
         if lines.is_empty() {
             return;
         }
-        // For the label of a long edge, layout-rs does not pass on the style.
+        // For the label of a long edge, layout-rs does not pass on the style. Every text that does
+        // not have the font size of a state is therefore the label of an edge.
         let state = look.font_size == STATE_FONT;
         let font_size = if state { STATE_FONT } else { EDGE_FONT };
         let font = font_size as f64;

@@ -150,7 +150,8 @@ impl Expr {
         }
     }
 
-    /// Returns the operands of the conjunctions at the top, from left to right.
+    /// Returns the conjuncts of the expression, from left to right, with nested conjunctions
+    /// flattened. An expression that is not a conjunction is its own only conjunct.
     pub fn conjuncts(&self) -> Vec<&Self> {
         let mut found = Vec::new();
         let mut left = vec![self];

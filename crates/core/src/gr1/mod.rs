@@ -7,8 +7,8 @@
 //! # Meaning
 //!
 //! Time is a sequence of steps. In step *t* the environment chooses the inputs x(t) and the machine
-//! answers with the outputs y(t) (internal variables count as outputs). With `Mealy` timing y(t)
-//! may depend on x(t); with `Moore` it may not.
+//! answers with the outputs y(t) (internal variables count as outputs). With `Mealy` timing, y(t)
+//! can depend on x(t); with `Moore` timing, it cannot.
 //!
 //! - `initial` formulas hold in step 0 (no next values);
 //! - `invariants` hold in every step, step 0 included (no next values);
@@ -58,7 +58,7 @@ pub enum Domain {
     },
     /// Labels, numbered from 0.
     Enum {
-        /// Declared name of the type, or `None` for one written in place.
+        /// Declared name of the type; `None` if the labels are written in place.
         name: Option<String>,
         /// Labels in order.
         labels: Vec<String>,
@@ -136,17 +136,17 @@ pub enum Owner {
 pub struct Variable {
     /// Name; an array's element is called `h[2]`.
     pub name: String,
-    /// Side that chooses its value.
+    /// Side that chooses the variable's value.
     pub owner: Owner,
     /// Whether the variable is internal to the machine: treated like an output, but not part of the
     /// interface.
     pub internal: bool,
-    /// Set of its values.
+    /// Set of the variable's values.
     pub domain: Domain,
-    /// Unit of its values, such as `mm`; empty for bare numbers. For display only: the numbers in
+    /// Unit of the values, such as `mm`; empty for bare numbers. For display only: the numbers in
     /// formulas are already converted to this unit.
     pub unit: String,
-    /// Place of its declaration.
+    /// Place of the declaration.
     pub span: Span,
 }
 
@@ -185,9 +185,9 @@ pub fn show_value(domain: &Domain, value: i64, unit: &str) -> String {
 /// Order of the two sides within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Timing {
-    /// The machine sees the inputs of the step it answers.
+    /// The machine chooses its outputs after it has seen the inputs of the step.
     Mealy,
-    /// The machine answers before it sees the inputs of the step.
+    /// The machine chooses its outputs before it sees the inputs of the step.
     Moore,
 }
 
@@ -196,10 +196,10 @@ pub enum Timing {
 pub struct Formula {
     /// Name given by the author, or generated from its position: `guarantee 3`.
     pub name: String,
-    /// Requirement it comes from, such as `R-12`.
+    /// Requirement that the formula comes from, such as `R-12`.
     pub requirement: Option<String>,
-    /// Formula without its outer temporal operator, which its list in [`Side`] stands for; its
-    /// value is 0 or 1.
+    /// Formula without its outer temporal operator. The list in [`Side`] that contains the formula
+    /// stands for that operator. The value of the formula is 0 or 1.
     pub expr: Expr,
     /// Place in the source.
     pub span: Span,
@@ -213,17 +213,63 @@ pub struct Formula {
 /// Formulas of one side, by kind. The module documentation gives the meaning of each kind.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Side {
-    /// Hold in step 0.
+    /// Formulas that hold in step 0.
     pub initial: Vec<Formula>,
-    /// Hold in every step.
+    /// Formulas that hold in every step.
     pub invariants: Vec<Formula>,
-    /// Hold from every step to the next.
+    /// Formulas that hold from every step to the next.
     pub safety: Vec<Formula>,
-    /// Hold infinitely often.
+    /// Formulas that hold infinitely often.
     pub justice: Vec<Formula>,
 }
 
+/// When a formula has to hold. Selects one of the lists of a [`Side`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum FormulaKind {
+    /// In step 0.
+    Initial,
+    /// In every step.
+    Invariant,
+    /// From every step to the next.
+    Safety,
+    /// Infinitely often.
+    Justice,
+}
+
+impl FormulaKind {
+    /// All kinds, in the order of the lists of a [`Side`].
+    pub const ALL: [Self; 4] = [Self::Initial, Self::Invariant, Self::Safety, Self::Justice];
+}
+
 impl Side {
+    /// Returns the formulas of one kind.
+    pub fn list(&self, kind: FormulaKind) -> &[Formula] {
+        match kind {
+            FormulaKind::Initial => &self.initial,
+            FormulaKind::Invariant => &self.invariants,
+            FormulaKind::Safety => &self.safety,
+            FormulaKind::Justice => &self.justice,
+        }
+    }
+
+    /// Returns the formulas of one kind, mutable.
+    pub fn list_mut(&mut self, kind: FormulaKind) -> &mut Vec<Formula> {
+        match kind {
+            FormulaKind::Initial => &mut self.initial,
+            FormulaKind::Invariant => &mut self.invariants,
+            FormulaKind::Safety => &mut self.safety,
+            FormulaKind::Justice => &mut self.justice,
+        }
+    }
+
+    /// Returns all formulas with their kinds and their indices in the list of that kind.
+    pub fn formulas(&self) -> impl Iterator<Item = (FormulaKind, usize, &Formula)> {
+        FormulaKind::ALL.into_iter().flat_map(|kind| {
+            let list = self.list(kind).iter().enumerate();
+            list.map(move |(index, formula)| (kind, index, formula))
+        })
+    }
+
     /// Returns all formulas: initial, invariants, safety, justice.
     pub fn all(&self) -> impl Iterator<Item = &Formula> {
         self.initial
@@ -241,7 +287,7 @@ pub struct Specification {
     pub name: String,
     /// Order of the two sides within a step.
     pub timing: Timing,
-    /// All variables in declaration order; inputs and outputs may be mixed.
+    /// All variables in declaration order; inputs and outputs can be mixed.
     pub variables: Vec<Variable>,
     /// Assumptions about the environment. Initial conditions and invariants mention inputs only;
     /// safety formulas mention current values of all variables, but next values of inputs only.

@@ -1,11 +1,11 @@
-//! Next values that can leave their domain: `next made = made + 1` where `made` is at the end of
+//! Finds next values that can leave their domain: `next made = made + 1` if `made` is at the end of
 //! its range.
 //!
 //! All arithmetic is exact and nothing wraps around, so no controller can keep such a formula in
-//! such a step. Intervals alone would also report `made < 9 -> next made = made + 1`. So the search
-//! collects the conditions of an equation, and tries all values of the variables in the equation
-//! and its conditions. If there are too many valuations, nothing is reported: this is only a hint,
-//! and the game decides exactly.
+//! such a step. Intervals alone would also report `made < 9 -> next made = made + 1`, which is
+//! correct. So the search collects the conditions of an equation, and tries all values of the
+//! variables in the equation and its conditions. If there are too many valuations, nothing is
+//! reported: this is only a hint, and the game decides exactly.
 
 use super::interval::{Interval, interval};
 use super::{BinaryOp, Expr, Formula, Specification, Time, UnaryOp, VarId};

@@ -176,7 +176,7 @@ fn notation_of<'s>(s: &'s Specification, expr: &Expr) -> Option<Notation<'s>> {
     }
 }
 
-/// Returns whether a comparison is written with `<->` or `xor`, since its operands are boolean. A
+/// Returns whether a comparison is written with `<->` or `xor` because its operands are boolean. A
 /// variable and a constant are compared like other values: `b = true`.
 fn compares_booleans(s: &Specification, a: &Expr, b: &Expr) -> bool {
     let plain = |e: &Expr| matches!(e, Expr::Var(..) | Expr::Const(_));

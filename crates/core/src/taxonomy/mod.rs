@@ -89,7 +89,7 @@ pub struct TableError {
 pub struct Taxonomy {
     /// Entries in the order of the tables, DIN first.
     entries: Vec<Entry>,
-    /// Index of an entry by folded full code.
+    /// Index of each entry, by its full code as `fold` returns it.
     by_code: BTreeMap<String, usize>,
 }
 

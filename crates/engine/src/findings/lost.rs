@@ -4,14 +4,11 @@
 use super::{list, play};
 use crate::pipeline::Explanation;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::monitors::Kind;
 use linewright_core::gr1::text::{operand, text};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, Owner, Side, Specification};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, FormulaKind, Owner, Side, Specification};
 use linewright_core::source::Span;
 use linewright_interchange::{Format, statement as foreign_statement};
-use linewright_solver::game::{
-    Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening, negation,
-};
+use linewright_solver::game::{Advice, GuaranteeRef, NewAssumption, Weakening, negation};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -186,8 +183,8 @@ fn leave_out(s: &Specification, guarantees: &[GuaranteeRef]) -> Suggestion {
 
 fn assumption(s: &Specification, format: Option<Format>, new: &NewAssumption) -> Suggestion {
     let cost = match new.kind {
-        GuaranteeKind::Justice => "requires something infinitely often".to_owned(),
-        GuaranteeKind::Initial => "only at the start".to_owned(),
+        FormulaKind::Justice => "requires something infinitely often".to_owned(),
+        FormulaKind::Initial => "only at the start".to_owned(),
         _ => format!(
             "rules out {} of the combinations of values",
             percent(new.forbids)
@@ -239,18 +236,10 @@ fn statement(
     format: Option<Format>,
     side: Owner,
     label: Option<&str>,
-    kind: GuaranteeKind,
+    kind: FormulaKind,
     expr: &Expr,
 ) -> String {
-    let written = format.and_then(|format| {
-        let kind = match kind {
-            GuaranteeKind::Initial => Kind::Initial,
-            GuaranteeKind::Invariant => Kind::Invariant,
-            GuaranteeKind::Safety => Kind::Safety,
-            GuaranteeKind::Justice => Kind::Justice,
-        };
-        foreign_statement(format, s, side, label, kind, expr)
-    });
+    let written = format.and_then(|format| foreign_statement(format, s, side, label, kind, expr));
     written.unwrap_or_else(|| {
         let keyword = match side {
             Owner::Environment => "assume",
@@ -297,12 +286,12 @@ fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
 }
 
 /// Formats a formula with the keywords of its kind.
-fn temporal(s: &Specification, kind: GuaranteeKind, expr: &Expr) -> String {
+fn temporal(s: &Specification, kind: FormulaKind, expr: &Expr) -> String {
     match kind {
-        GuaranteeKind::Initial => text(s, expr),
-        GuaranteeKind::Justice => format!("always eventually {}", operand(s, expr)),
+        FormulaKind::Initial => text(s, expr),
+        FormulaKind::Justice => format!("always eventually {}", operand(s, expr)),
         // A safety formula covers two steps, even if it mentions only one.
-        GuaranteeKind::Safety if !expr.mentions_next() => {
+        FormulaKind::Safety if !expr.mentions_next() => {
             format!("always (next true -> {})", operand(s, expr))
         }
         _ => format!("always {}", operand_of_always(s, expr)),

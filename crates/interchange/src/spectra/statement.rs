@@ -16,8 +16,8 @@ use super::scope::Symbol;
 use super::syntax::{Body, Clause, Monitor, Name, Node, Shape, Statement, TemporalForm};
 use super::value::Value;
 use linewright_core::diagnostics::codes;
-use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
-use linewright_core::gr1::{Expr, Owner, Time, VarId};
+use linewright_core::gr1::monitors::{Obligation, Origin};
+use linewright_core::gr1::{Expr, FormulaKind, Owner, Time, VarId};
 use linewright_core::source::Span;
 
 /// Maximum number of instances of a parametrised assumption or guarantee.
@@ -214,14 +214,14 @@ impl Reader {
             expr = self.first_transition(expr);
         }
         let kind = match when {
-            TemporalForm::Initially if !next => Kind::Initial,
-            TemporalForm::Always if !next => Kind::Invariant,
+            TemporalForm::Initially if !next => FormulaKind::Initial,
+            TemporalForm::Always if !next => FormulaKind::Invariant,
             TemporalForm::Initially | TemporalForm::Transition | TemporalForm::Always => {
-                Kind::Safety
+                FormulaKind::Safety
             }
-            TemporalForm::Repeatedly => Kind::Justice,
+            TemporalForm::Repeatedly => FormulaKind::Justice,
         };
-        if kind == Kind::Justice && next && side == Owner::System {
+        if kind == FormulaKind::Justice && next && side == Owner::System {
             self.note(
                 codes::OWN_TOOL,
                 self.origin.span,
@@ -232,7 +232,7 @@ impl Reader {
         let obligations = if side == Owner::System {
             vec![Obligation { kind, expr }]
         } else {
-            if kind == Kind::Initial
+            if kind == FormulaKind::Initial
                 && self.mentioned_output(&expr, None).is_some()
                 && let Some(left) = self.without_outputs(&expr)
             {
@@ -240,11 +240,12 @@ impl Reader {
             }
             // If an assumption refers to the system's variables, it is evaluated after the system's
             // answer.
-            let kind = if kind == Kind::Invariant && self.mentioned_output(&expr, None).is_some() {
-                Kind::Safety
-            } else {
-                kind
-            };
+            let kind =
+                if kind == FormulaKind::Invariant && self.mentioned_output(&expr, None).is_some() {
+                    FormulaKind::Safety
+                } else {
+                    kind
+                };
             if self.monitors.occur_in(&expr) {
                 self.monitors.as_assumptions(&Obligation { kind, expr })
             } else {
@@ -271,9 +272,9 @@ impl Reader {
     /// assumption that does not.
     fn can_be_assumed(&mut self, obligation: &Obligation) -> bool {
         let when = match obligation.kind {
-            Kind::Initial => None,
-            Kind::Safety => Some(Time::Next),
-            Kind::Invariant | Kind::Justice => return true,
+            FormulaKind::Initial => None,
+            FormulaKind::Safety => Some(Time::Next),
+            FormulaKind::Invariant | FormulaKind::Justice => return true,
         };
         let Some(v) = self.mentioned_output(&obligation.expr, when) else {
             return true;

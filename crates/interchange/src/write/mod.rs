@@ -19,8 +19,7 @@ use super::names::one_line;
 use super::rename::renamed;
 use gates::{Gate, Gates, TooManyCases};
 use linewright_core::diagnostics::Diagnostic;
-use linewright_core::gr1::monitors::Kind;
-use linewright_core::gr1::{Domain, Expr, Formula, Owner, Specification, Variable};
+use linewright_core::gr1::{Domain, Expr, Formula, FormulaKind, Owner, Specification, Variable};
 
 /// Output formats of [`write`](fn@write).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -46,7 +45,7 @@ pub fn statement(
     specification: &Specification,
     side: Owner,
     name: Option<&str>,
-    kind: Kind,
+    kind: FormulaKind,
     expr: &Expr,
 ) -> Option<String> {
     match format {

@@ -14,10 +14,9 @@ use super::one_line;
 use super::text::{Piece, Rank, Words, at_least};
 use super::{Writing, is_plain};
 use linewright_core::diagnostics::Diagnostic;
-use linewright_core::gr1::monitors::Kind;
 use linewright_core::gr1::{
-    BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
-    Variable,
+    BinaryOp, Domain, Expr, Formula, FormulaKind, Owner, Side, Specification, Time, Timing,
+    UnaryOp, VarId, Variable,
 };
 use std::fmt::Write as _;
 
@@ -58,7 +57,7 @@ pub(super) fn statement(
     specification: &Specification,
     side: Owner,
     name: Option<&str>,
-    kind: Kind,
+    kind: FormulaKind,
     expr: &Expr,
 ) -> Option<String> {
     let mut is_declared = true;
@@ -78,10 +77,10 @@ pub(super) fn statement(
     };
     let name = name.map_or(String::new(), |name| format!(" {name}:"));
     let operator = match kind {
-        Kind::Initial => "ini",
-        Kind::Invariant => "alw",
-        Kind::Safety => "G",
-        Kind::Justice => "GF",
+        FormulaKind::Initial => "ini",
+        FormulaKind::Invariant => "alw",
+        FormulaKind::Safety => "G",
+        FormulaKind::Justice => "GF",
     };
     Some(format!("{keyword}{name} {operator} ({body});"))
 }

@@ -15,8 +15,8 @@ mod refusal;
 use super::elaborate::Elaborator;
 use super::patterns;
 use super::value::Value;
-use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
-use linewright_core::gr1::{Side, Time, Variable};
+use linewright_core::gr1::monitors::{Obligation, Origin};
+use linewright_core::gr1::{FormulaKind, Side, Time, Variable};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
 use refusal::EnclosingQuantifier;
@@ -262,10 +262,10 @@ fn leaf<'a>(
         return false;
     }
     let (kind, temporal) = match place {
-        Place::Top => (Kind::Initial, ""),
-        Place::Always if primed => (Kind::Safety, "always "),
-        Place::Always => (Kind::Invariant, "always "),
-        Place::Justice => (Kind::Justice, "always eventually "),
+        Place::Top => (FormulaKind::Initial, ""),
+        Place::Always if primed => (FormulaKind::Safety, "always "),
+        Place::Always => (FormulaKind::Invariant, "always "),
+        Place::Justice => (FormulaKind::Justice, "always eventually "),
     };
     let origin = Origin {
         text: format!("{temporal}{}{}", label.text(formula.span), at.instance),

@@ -7,10 +7,10 @@
 //! contract, and so is the guarantee that parts reach the end at all.
 
 use super::words::{all, count, is};
-use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
+use linewright_core::gr1::{BinaryOp, Domain, Expr, FormulaKind, Owner, VarId, Variable};
 use linewright_language::contract::line::Belt;
 use linewright_language::contract::machine::Machine;
-use linewright_solver::game::{Budget, Limit, Limits, Rule, RuleKind, RunQuery, Runs};
+use linewright_solver::game::{Budget, Limit, Limits, Rule, RunQuery, Runs};
 
 /// Room on a belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +76,7 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
 
 fn justice(expr: Expr) -> Rule {
     Rule {
-        kind: RuleKind::Justice,
+        kind: FormulaKind::Justice,
         expr,
     }
 }
@@ -118,16 +118,16 @@ fn contract(machine: &Machine) -> (Vec<Variable>, Vec<Rule>, Vec<Rule>) {
             ));
             place[input.index()] = own;
             rules.push(Rule {
-                kind: RuleKind::Invariant,
+                kind: FormulaKind::Invariant,
                 expr: Expr::now(own).equals(binding.clone()),
             });
         }
         let put = |expr: &Expr| expr.substitute(&mut |v, time| Expr::Var(place[v.index()], time));
         let side = &specification.guarantees;
         let lists = [
-            (RuleKind::Initial, &side.initial),
-            (RuleKind::Invariant, &side.invariants),
-            (RuleKind::Safety, &side.safety),
+            (FormulaKind::Initial, &side.initial),
+            (FormulaKind::Invariant, &side.invariants),
+            (FormulaKind::Safety, &side.safety),
         ];
         for (kind, list) in lists {
             rules.extend(list.iter().map(|f| Rule {

@@ -3,10 +3,9 @@
 use super::parts::formula;
 use super::vocabulary::Model;
 use linewright_algebra::proof::{Claim, Reach};
-use linewright_algebra::system::{ContractSide, FormulaRef, System, formulas, list_mut};
-use linewright_core::gr1::Expr;
+use linewright_algebra::system::{ContractSide, FormulaRef, System};
+use linewright_core::gr1::{Expr, FormulaKind};
 use linewright_language::contract::line::Line;
-use linewright_solver::game::RuleKind;
 use std::collections::BTreeSet;
 
 /// A claim under construction.
@@ -23,13 +22,13 @@ impl ClaimBuilder<'_> {
     pub(super) fn lemma(
         &mut self,
         place: usize,
-        kind: RuleKind,
+        kind: FormulaKind,
         (name, text): (&str, &str),
         expr: &Expr,
         from: BTreeSet<FormulaRef>,
         reach: Reach,
     ) -> FormulaRef {
-        let list = list_mut(&mut self.claim.goal, kind);
+        let list = self.claim.goal.list_mut(kind);
         let at = FormulaRef {
             component: None,
             half: ContractSide::Guarantees,
@@ -62,14 +61,15 @@ impl ClaimBuilder<'_> {
 
     /// Guarantees of a place.
     pub(super) fn guarantees(&self, place: usize) -> impl Iterator<Item = FormulaRef> {
-        formulas(&self.system.components[place].guarantees).map(move |(kind, index, _)| {
-            FormulaRef {
+        self.system.components[place]
+            .guarantees
+            .formulas()
+            .map(move |(kind, index, _)| FormulaRef {
                 component: Some(place),
                 half: ContractSide::Guarantees,
                 kind,
                 index,
-            }
-        })
+            })
     }
 
     /// The given formulas about a place: those that mention only its own variables and the
@@ -77,7 +77,7 @@ impl ClaimBuilder<'_> {
     pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
         let part = &self.system.components[place];
         let mut known: BTreeSet<_> = part.drives.iter().copied().collect();
-        for (_, _, f) in formulas(&part.guarantees) {
+        for (_, _, f) in part.guarantees.formulas() {
             f.expr.for_each_var(&mut |v, _| {
                 if self.system.driver(v).is_none() {
                     known.insert(v);
@@ -89,7 +89,9 @@ impl ClaimBuilder<'_> {
             expr.for_each_var(&mut |v, _| all &= known.contains(&v));
             all
         };
-        formulas(&self.claim.given)
+        self.claim
+            .given
+            .formulas()
             .filter(|(_, _, f)| is_known(&f.expr))
             .map(|(kind, index, _)| FormulaRef {
                 component: None,

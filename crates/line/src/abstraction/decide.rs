@@ -9,11 +9,11 @@ use super::parts::formula;
 use crate::undecided::UndecidedReason;
 pub use linewright_algebra::proof::Open;
 use linewright_algebra::proof::{self, Claim, Exports, Refutation};
-use linewright_algebra::system::{FormulaRef, System, formulas, list, rule};
-use linewright_core::gr1::{Expr, Side};
+use linewright_algebra::system::{FormulaRef, System, rule};
+use linewright_core::gr1::{Expr, FormulaKind, Side};
 use linewright_core::source::Span;
 use linewright_language::contract::line::Line;
-use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
+use linewright_solver::game::{Limit, Limits, Rule, Runs, SafetyViolationQuery};
 
 /// Result of the decision.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -52,7 +52,7 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
         .map(|p| &p.guarantees)
         .chain([&abstraction.claim.given, &abstraction.claim.goal]);
     sides
-        .flat_map(formulas)
+        .flat_map(Side::formulas)
         .map(|(kind, _, f)| rule(kind, &f.expr))
         .collect()
 }
@@ -139,19 +139,19 @@ fn without_assumptions(system: &System) -> System {
 /// The justice goals that are not lemmas.
 fn liveness(claim: &Claim) -> impl Iterator<Item = FormulaRef> {
     let goals = claim.goals().map(|(at, _)| at);
-    goals.filter(|at| at.kind == RuleKind::Justice && !claim.lemmas.contains_key(at))
+    goals.filter(|at| at.kind == FormulaKind::Justice && !claim.lemmas.contains_key(at))
 }
 
 fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
     let rules = rules(abstraction);
     let first_goal = rules.len() - abstraction.claim.goal.all().count();
     let keep: Vec<usize> = (0..first_goal)
-        .filter(|r| rules[*r].kind != RuleKind::Justice)
+        .filter(|r| rules[*r].kind != FormulaKind::Justice)
         .collect();
     let mut runs = Runs::new(&abstraction.system.variables, rules, limits)?;
     let mut verdict = Verdict::default();
     for (place, (what, _)) in abstraction.claim.goals().enumerate() {
-        if what.kind == RuleKind::Justice || abstraction.claim.lemmas.contains_key(&what) {
+        if what.kind == FormulaKind::Justice || abstraction.claim.lemmas.contains_key(&what) {
             continue;
         }
         let slip = SafetyViolationQuery {
@@ -178,7 +178,7 @@ fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     let safety = claim
         .goals()
         .map(|(at, _)| at)
-        .filter(|at| at.kind != RuleKind::Justice);
+        .filter(|at| at.kind != FormulaKind::Justice);
     let asked = Claim {
         known: safety.filter(|at| !claim.lemmas.contains_key(at)).collect(),
         ..claim.clone()
@@ -195,6 +195,6 @@ fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
 impl Abstraction {
     /// The goal formula to which `at` refers.
     pub fn goal(&self, at: FormulaRef) -> &linewright_core::gr1::Formula {
-        &list(&self.claim.goal, at.kind)[at.index]
+        &self.claim.goal.list(at.kind)[at.index]
     }
 }

@@ -14,8 +14,8 @@ use super::vocabulary::Model;
 use super::words::is;
 use linewright_algebra::proof::{Claim, Reach};
 use linewright_algebra::system::{FormulaRef, System};
+use linewright_core::gr1::FormulaKind;
 use linewright_language::contract::line::Line;
-use linewright_solver::game::RuleKind;
 use std::collections::BTreeSet;
 
 /// Adds the lemmas to a claim.
@@ -63,7 +63,8 @@ fn components(
                 let full = is(*there, *most as usize);
                 let words = (name.as_str(), text.as_str());
                 let near = BTreeSet::new();
-                let lemma = book.lemma(place, RuleKind::Justice, words, &full, near, Reach::Near);
+                let lemma =
+                    book.lemma(place, FormulaKind::Justice, words, &full, near, Reach::Near);
                 found.push((place, lemma));
             }
         }

@@ -23,8 +23,7 @@ use super::vocabulary::{Model, Phase, Queue};
 use super::words::{all, an, count, is, later, sum};
 use linewright_algebra::proof::Reach;
 use linewright_algebra::system::FormulaRef;
-use linewright_core::gr1::{BinaryOp, Expr, VarId};
-use linewright_solver::game::RuleKind;
+use linewright_core::gr1::{BinaryOp, Expr, FormulaKind, VarId};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A supply that limits the number of its parts in the line, and where these parts can be.
@@ -158,7 +157,7 @@ impl<'a> LimitedSupply<'a> {
         from.extend(book.goal(NO_PART_LOST, self.supply));
         for place in &places {
             let all = book.guarantees(*place);
-            from.extend(all.filter(|at| at.kind != RuleKind::Justice));
+            from.extend(all.filter(|at| at.kind != FormulaKind::Justice));
             from.extend(book.goal(NO_PART_LOST, *place));
         }
         let mut left = Vec::new();
@@ -181,7 +180,7 @@ impl<'a> LimitedSupply<'a> {
         let title = format!("{part}_goes_from_place_to_place");
         let kept = book.lemma(
             self.supply,
-            RuleKind::Safety,
+            FormulaKind::Safety,
             (&title, &text),
             &kept,
             from,
@@ -193,14 +192,14 @@ impl<'a> LimitedSupply<'a> {
         from.extend(book.goal(NO_OVERFLOW, self.supply));
         for place in &places {
             let all = book.guarantees(*place);
-            from.extend(all.filter(|at| at.kind == RuleKind::Initial));
+            from.extend(all.filter(|at| at.kind == FormulaKind::Initial));
         }
         let counted = Expr::now(self.in_line).equals(total);
         let title = format!("{name}_counts_right");
         let text = format!("the count of {name} equals the number of its parts in the line");
         book.lemma(
             self.supply,
-            RuleKind::Invariant,
+            FormulaKind::Invariant,
             (&title, &text),
             &counted,
             from,
@@ -241,7 +240,7 @@ impl<'a> LimitedSupply<'a> {
         let from = BTreeSet::from([counted]);
         book.lemma(
             self.supply,
-            RuleKind::Invariant,
+            FormulaKind::Invariant,
             (&name, &text),
             &few,
             from,
@@ -288,10 +287,10 @@ impl<'a> LimitedSupply<'a> {
             let safe = about
                 .iter()
                 .copied()
-                .filter(|at| at.kind != RuleKind::Justice)
+                .filter(|at| at.kind != FormulaKind::Justice)
                 .collect();
             let words = (name.as_str(), text.as_str());
-            let next = book.lemma(place, RuleKind::Safety, words, &stay, safe, Reach::Named);
+            let next = book.lemma(place, FormulaKind::Safety, words, &stay, safe, Reach::Named);
 
             about.extend(drains);
             about.extend(book.given(place));
@@ -306,7 +305,14 @@ impl<'a> LimitedSupply<'a> {
                 "{supply} releases a part, or all places up to the {here} eventually hold none of its parts"
             );
             let words = (name.as_str(), text.as_str());
-            let next_one = book.lemma(place, RuleKind::Justice, words, &again, about, Reach::Named);
+            let next_one = book.lemma(
+                place,
+                FormulaKind::Justice,
+                words,
+                &again,
+                about,
+                Reach::Named,
+            );
             drains = Some(next_one);
             stays = Some(next);
         }
@@ -332,7 +338,7 @@ impl<'a> LimitedSupply<'a> {
         let words = (title.as_str(), text.as_str());
         book.lemma(
             self.supply,
-            RuleKind::Justice,
+            FormulaKind::Justice,
             words,
             &gives,
             from,
@@ -394,7 +400,7 @@ impl<'a> LimitedSupply<'a> {
             };
             let lemma = book.lemma(
                 place,
-                RuleKind::Justice,
+                FormulaKind::Justice,
                 (&title, &text),
                 &there,
                 from,

@@ -9,12 +9,11 @@ use super::Calls;
 use crate::abstraction::words::{all, any, count, is, later};
 use linewright_algebra::machine::of_machine;
 use linewright_algebra::proof::{Claim, Exports, decide};
-use linewright_algebra::system::formulas;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, VarId};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, FormulaKind, Side, VarId};
 use linewright_language::contract::line::{Belt, Line, NodeKind};
 use linewright_language::contract::machine::{Machine, PlantSource};
-use linewright_solver::game::{Limit, Limits, RuleKind};
+use linewright_solver::game::{Limit, Limits};
 use linewright_station::messages;
 
 /// Examines the belts of a line.
@@ -91,7 +90,7 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<BeltViolation>, Limit> {
     let assumed = system
         .components
         .iter()
-        .any(|p| formulas(&p.assumptions).next().is_some());
+        .any(|p| p.assumptions.formulas().next().is_some());
     let claim = Claim {
         given: given(belt),
         goal: keeping(belt),
@@ -108,8 +107,7 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<BeltViolation>, Limit> {
         match open.what.component {
             Some(part) => {
                 let side = &system.components[part].assumptions;
-                let formula =
-                    linewright_algebra::system::list(side, open.what.kind)[open.what.index].clone();
+                let formula = side.list(open.what.kind)[open.what.index].clone();
                 let component = &machine.components[part];
                 if shown.insert((part, formula.span)) {
                     found.push(BeltViolation::Assumption(
@@ -118,7 +116,7 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<BeltViolation>, Limit> {
                     ));
                 }
             }
-            None if open.what.kind == RuleKind::Justice => {}
+            None if open.what.kind == FormulaKind::Justice => {}
             None => {
                 if !found.iter().any(|f| matches!(f, BeltViolation::Keeping)) {
                     found.push(BeltViolation::Keeping);

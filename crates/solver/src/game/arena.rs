@@ -7,11 +7,13 @@
 
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
-use super::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
+use super::reference::{AssumptionRef, GuaranteeRef};
 use super::relation::Relation;
 use super::structure;
 use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
-use linewright_core::gr1::{Expr, Formula, Owner, Side, Specification, Time, Timing, VarId};
+use linewright_core::gr1::{
+    Expr, Formula, FormulaKind, Owner, Side, Specification, Time, Timing, VarId,
+};
 use std::collections::BTreeSet;
 
 /// The formulas of one side.
@@ -52,14 +54,14 @@ pub enum Selection<'a> {
 }
 
 impl Selection<'_> {
-    fn has_guarantee(&self, kind: GuaranteeKind, index: usize) -> bool {
+    fn has_guarantee(&self, kind: FormulaKind, index: usize) -> bool {
         match self {
             Self::All => true,
             Self::Only(refs) | Self::Both(refs, _) => refs.contains(&GuaranteeRef { kind, index }),
         }
     }
 
-    fn has_assumption(&self, kind: GuaranteeKind, index: usize) -> bool {
+    fn has_assumption(&self, kind: FormulaKind, index: usize) -> bool {
         match self {
             Self::All | Self::Only(_) => true,
             Self::Both(_, refs) => refs.contains(&GuaranteeRef { kind, index }),
@@ -83,7 +85,7 @@ pub fn initial_order(specification: &Specification, heuristics: Heuristics) -> O
 impl<K: Kernel> Encoded<K> {
     /// Returns references to all formulas, in order.
     fn all(&self) -> Vec<GuaranteeRef> {
-        use GuaranteeKind::{Initial, Invariant, Justice, Safety};
+        use FormulaKind::{Initial, Invariant, Justice, Safety};
         let lists = [
             (Initial, self.initial.len()),
             (Invariant, self.invariants.len()),
@@ -211,14 +213,14 @@ impl<K: Kernel> Formulas<K> {
 
     /// Returns the formulas with one more assumption.
     #[must_use]
-    pub fn with_assumption(&self, kind: GuaranteeKind, function: K::Function) -> Self {
+    pub fn with_assumption(&self, kind: FormulaKind, function: K::Function) -> Self {
         let mut more = self.clone();
         let side = &mut more.environment;
         match kind {
-            GuaranteeKind::Initial => side.initial.push(function),
-            GuaranteeKind::Invariant => side.invariants.push(function),
-            GuaranteeKind::Safety => side.safety.push(vec![function]),
-            GuaranteeKind::Justice => side.justice.push(function),
+            FormulaKind::Initial => side.initial.push(function),
+            FormulaKind::Invariant => side.invariants.push(function),
+            FormulaKind::Safety => side.safety.push(vec![function]),
+            FormulaKind::Justice => side.justice.push(function),
         }
         more
     }
@@ -228,10 +230,10 @@ impl<K: Kernel> Formulas<K> {
         let mut less = self.clone();
         let (m, side, index) = (&self.kernel, &mut less.system, guarantee.index);
         let one = match guarantee.kind {
-            GuaranteeKind::Initial => &mut side.initial[index],
-            GuaranteeKind::Invariant => &mut side.invariants[index],
-            GuaranteeKind::Justice => &mut side.justice[index],
-            GuaranteeKind::Safety => {
+            FormulaKind::Initial => &mut side.initial[index],
+            FormulaKind::Invariant => &mut side.invariants[index],
+            FormulaKind::Justice => &mut side.justice[index],
+            FormulaKind::Safety => {
                 let whole = m.all(&side.safety[index])?;
                 side.safety[index] = vec![m.or(&whole, function)?];
                 return Ok(less);
@@ -261,7 +263,7 @@ impl<K: Kernel> Formulas<K> {
         &self,
         at_start: bool,
     ) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
-        use GuaranteeKind::{Initial, Invariant, Safety};
+        use FormulaKind::{Initial, Invariant, Safety};
         let m = &self.kernel;
         let mut rules = Vec::new();
         let mut add = |kind, list: &[K::Function]| -> Result<(), Limit> {
@@ -306,13 +308,13 @@ impl<K: Kernel> Formulas<K> {
         timing: Timing,
     ) -> Result<Arena<K>, Limit> {
         let m = &self.kernel;
-        let chosen = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
+        let chosen = |kind: FormulaKind, list: &[K::Function]| -> Vec<K::Function> {
             let list = list.iter().enumerate();
             list.filter(|(i, _)| selection.has_guarantee(kind, *i))
                 .map(|(_, f)| f.clone())
                 .collect()
         };
-        let assumed = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
+        let assumed = |kind: FormulaKind, list: &[K::Function]| -> Vec<K::Function> {
             let list = list.iter().enumerate();
             list.filter(|(i, _)| selection.has_assumption(kind, *i))
                 .map(|(_, f)| f.clone())
@@ -328,13 +330,13 @@ impl<K: Kernel> Formulas<K> {
         let env = &self.environment;
         let sys = &self.system;
 
-        let invariants = assumed(GuaranteeKind::Invariant, &env.invariants);
+        let invariants = assumed(FormulaKind::Invariant, &env.invariants);
         let legal_inputs = m.and(&env.domains, &m.all(&invariants)?)?;
-        let invariants = chosen(GuaranteeKind::Invariant, &sys.invariants);
+        let invariants = chosen(FormulaKind::Invariant, &sys.invariants);
         let legal_outputs = m.and(&sys.domains, &m.all(&invariants)?)?;
         let states = m.and(&legal_inputs, &legal_outputs)?;
-        let initial = chosen(GuaranteeKind::Initial, &sys.initial);
-        let env_first = assumed(GuaranteeKind::Initial, &env.initial);
+        let initial = chosen(FormulaKind::Initial, &sys.initial);
+        let env_first = assumed(FormulaKind::Initial, &env.initial);
         let env_initial = m.and(&legal_inputs, &m.all(&env_first)?)?;
         let sys_initial = m.and(&legal_outputs, &m.all(&initial)?)?;
 
@@ -342,14 +344,14 @@ impl<K: Kernel> Formulas<K> {
             .safety
             .iter()
             .enumerate()
-            .filter(|(i, _)| selection.has_assumption(GuaranteeKind::Safety, *i));
+            .filter(|(i, _)| selection.has_assumption(FormulaKind::Safety, *i));
         let mut env_parts: Vec<K::Function> = env_safety.flat_map(|(_, f)| f.clone()).collect();
         env_parts.push(m.prime(&legal_inputs)?);
         let safety = sys
             .safety
             .iter()
             .enumerate()
-            .filter(|(i, _)| selection.has_guarantee(GuaranteeKind::Safety, *i));
+            .filter(|(i, _)| selection.has_guarantee(FormulaKind::Safety, *i));
         let mut sys_parts: Vec<K::Function> = safety.flat_map(|(_, f)| f.clone()).collect();
 
         let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);
@@ -373,8 +375,8 @@ impl<K: Kernel> Formulas<K> {
             sys_initial,
             environment,
             system,
-            assumptions: or_true(assumed(GuaranteeKind::Justice, &env.justice)),
-            goals: or_true(chosen(GuaranteeKind::Justice, &sys.justice)),
+            assumptions: or_true(assumed(FormulaKind::Justice, &env.justice)),
+            goals: or_true(chosen(FormulaKind::Justice, &sys.justice)),
             inputs_now: bits(&self.inputs, Time::Now),
             inputs_next,
             outputs_now: bits(&self.outputs, Time::Now),

@@ -50,9 +50,9 @@ pub use self::heuristics::{Heuristic, Heuristics};
 pub use self::outcome::{LostGame, Outcome, WonGame};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
-pub use self::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
+pub use self::reference::{AssumptionRef, GuaranteeRef};
 pub use self::repair::{Advice, NewAssumption, Weakening, negation};
-pub use self::runs::{Lasso, Rule, RuleKind, RunQuery, Runs, SafetyViolationQuery};
+pub use self::runs::{Lasso, Rule, RunQuery, Runs, SafetyViolationQuery};
 pub use self::solver::{
     KernelChoice, Options, Solution, advise, attack, attack_until, examine_environment,
     order_from_variables, solve, solve_with,

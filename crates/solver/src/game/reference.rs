@@ -1,13 +1,13 @@
 //! References to the formulas of a specification, by side and list.
 
-use linewright_core::gr1::{Formula, Side};
+use linewright_core::gr1::{Formula, FormulaKind, Side};
 use serde::{Deserialize, Serialize};
 
 /// A reference to a guarantee of a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct GuaranteeRef {
     /// Kind of the formula. It selects one of the lists of [`Side`].
-    pub kind: GuaranteeKind,
+    pub kind: FormulaKind,
     /// Index of the formula in that list.
     pub index: usize,
 }
@@ -16,28 +16,10 @@ pub struct GuaranteeRef {
 /// guarantee.
 pub type AssumptionRef = GuaranteeRef;
 
-/// Kinds of formulas: the lists of [`Side`]. Also used for assumptions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum GuaranteeKind {
-    /// [`Side::initial`]
-    Initial,
-    /// [`Side::invariants`]
-    Invariant,
-    /// [`Side::safety`]
-    Safety,
-    /// [`Side::justice`]
-    Justice,
-}
-
 impl GuaranteeRef {
     /// Returns the referenced formula of this side.
     pub fn formula(self, side: &Side) -> &Formula {
-        match self.kind {
-            GuaranteeKind::Initial => &side.initial[self.index],
-            GuaranteeKind::Invariant => &side.invariants[self.index],
-            GuaranteeKind::Safety => &side.safety[self.index],
-            GuaranteeKind::Justice => &side.justice[self.index],
-        }
+        &side.list(self.kind)[self.index]
     }
 }
 
@@ -50,14 +32,6 @@ pub fn split_definitions(guarantees: &Side) -> (Vec<GuaranteeRef>, Vec<Guarantee
 
 /// Returns all formulas of a side with their references.
 pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
-    let lists = [
-        (GuaranteeKind::Initial, &side.initial),
-        (GuaranteeKind::Invariant, &side.invariants),
-        (GuaranteeKind::Safety, &side.safety),
-        (GuaranteeKind::Justice, &side.justice),
-    ];
-    lists.into_iter().flat_map(|(kind, list)| {
-        let list = list.iter().enumerate();
-        list.map(move |(index, formula)| (GuaranteeRef { kind, index }, formula))
-    })
+    let formulas = side.formulas();
+    formulas.map(|(kind, index, formula)| (GuaranteeRef { kind, index }, formula))
 }

@@ -123,7 +123,8 @@ fn examine(machine: &Machine, coordinator: &mealy::Machine) -> Composition {
     result
 }
 
-/// Reports every assumption of a machine whose coordinators have no explicit states as undecided.
+/// Reports every assumption as undecided, because the coordinators of the machine cannot be
+/// examined state by state.
 fn undecided(machine: &Machine) -> Composition {
     let mut result = Composition::default();
     for component in &machine.components {
@@ -277,7 +278,7 @@ fn justice(walk: &Walk<'_>, index: usize, result: &mut Composition) {
                         "it can stay false with {}; add a guarantee `always eventually ...` that implies it to one action, or give a signal a script that makes it true",
                         values.show(walk.machine)
                     ),
-                    None => "the coordinator can switch between waiting for different actions forever; let it keep each request until the action is done".to_owned(),
+                    None => "the coordinator can keep switching between the actions that it waits for; let it keep each request until the action is done".to_owned(),
                 }),
             ),
         }

@@ -14,7 +14,7 @@ use linewright_core::gr1::{Expr, Time, VarId};
 use linewright_language::contract::machine::Operation;
 use std::collections::BTreeSet;
 
-/// A point in an operation: the node, the number of begun actions, and the active action.
+/// A point in an operation: the node, the number of actions that have begun, and the active action.
 type Place = (Node, usize, Option<usize>);
 
 /// Adds findings about the operations to `findings`.
@@ -57,7 +57,7 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
         let (node, position, active) = place;
         let ended = specialized(walk, node, done, operation);
         if !is_certain(walk, node, &ended.clone().not()) {
-            // The operation ends here, or can end here.
+            // The operation ends at this node, or can end at it.
             if position != operation.sequence.len() {
                 return Some(wrong(walk, operation, position, None));
             }

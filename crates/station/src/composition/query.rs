@@ -210,7 +210,7 @@ impl Question {
     }
 }
 
-/// Number of valuations of the distinct wires in a list, saturating.
+/// Returns the number of valuations of the distinct wires in a list, at most `u64::MAX`.
 fn valuations(machine: &Machine, wires: &[(VarId, Time)]) -> u64 {
     let mut distinct = wires.to_vec();
     distinct.sort_unstable();

@@ -450,7 +450,8 @@ impl<'a> Walk<'a> {
         self.ask(index, &question) == Answer::Holds
     }
 
-    /// Names of the actions' justice guarantees that each imply the goal at a node.
+    /// Returns the names of the actions' justice guarantees that imply the goal at a node, each by
+    /// itself.
     fn implying_guarantees(&self, node: Node, goal: &Expr) -> Vec<String> {
         let mut found = Vec::new();
         let goal = self.fix(goal, node, None);
@@ -477,9 +478,9 @@ impl<'a> Walk<'a> {
         self.fix(condition, node, None)
     }
 
-    /// Whether the coordinator's assumptions allow an operation to begin. At the start, these are
-    /// the initial conditions; after a step, the safety assumptions, where all other values of that
-    /// step are free.
+    /// Whether the coordinator's assumptions allow an operation to begin. At the start, the
+    /// relevant assumptions are the initial conditions; after a step, they are the safety
+    /// assumptions, with all other values of that step free.
     pub fn can_begin(&self, from: Option<Step>, operation: i64) -> bool {
         let side = &self.machine.components[0].specification.assumptions;
         let wire = VarId(0);

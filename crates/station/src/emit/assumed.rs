@@ -26,7 +26,7 @@ pub(super) struct Assumptions<'a> {
 /// A formula as a C condition.
 #[derive(Serialize)]
 pub(super) struct Check {
-    /// Comment: `grips: command = turn -> grip`.
+    /// Comment that cites the formula: `grips: command = turn -> grip`.
     pub about: String,
     /// C condition.
     pub holds: String,
@@ -40,7 +40,7 @@ pub(super) struct Checks<'a> {
     checks: &'a [Check],
 }
 
-/// Values of the last step that the state stores.
+/// The values of the last step that the controller's state stores.
 #[derive(Serialize)]
 pub(super) struct StoredStep {
     /// Comment with the variables' names.

@@ -40,7 +40,8 @@ pub(super) struct Emitter<'a> {
 /// Location of a signal in the runtime's values: a signal is one bit of a value.
 struct Signal {
     value: usize,
-    /// `LW_PREVIOUS`, `LW_CURRENT` or `LW_SHIFTED` of `ffi/machine.h`.
+    /// Array that contains the value: `LW_PREVIOUS`, `LW_CURRENT` or `LW_SHIFTED` of
+    /// `ffi/machine.h`.
     from: usize,
     shift: usize,
 }

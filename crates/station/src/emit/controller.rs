@@ -117,7 +117,7 @@ struct MachineSource<'a> {
     kept: Vec<String>,
 }
 
-/// An input that lies between two values.
+/// A test whether an input lies between two values.
 #[derive(Serialize)]
 struct Test<'a> {
     input: usize,

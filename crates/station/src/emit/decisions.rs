@@ -22,8 +22,8 @@ pub(super) struct Tables {
     goals: String,
 }
 
-/// Like `Tables`, with the starts of walks instead of `computed`: first those of step 0, then those
-/// of all modes.
+/// Like `Tables`, with the starts of walks instead of `computed`. The starts of step 0 come first,
+/// then the starts of all modes.
 #[derive(Serialize)]
 pub(super) struct WalkTables {
     nodes: String,

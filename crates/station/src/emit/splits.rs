@@ -148,7 +148,8 @@ impl Work {
         Target::Split(number)
     }
 
-    /// Decides between guards for inputs in `within`; `None` if that needs too many splits.
+    /// Returns the target that decides between guards for inputs in `within`; `None` if the
+    /// decision needs too many splits.
     fn balanced(&mut self, rows: &[Row<'_>], within: &mut [(i64, i64)]) -> Option<Target> {
         let Some(&(_, leaf)) = rows.first() else {
             return Some(Target::Leaf(self.leaf(None)));

@@ -31,7 +31,8 @@ pub(super) enum Place {
 pub(super) struct Walks {
     /// The places, in depth-first order, so that successive places of a walk are mostly adjacent.
     pub places: Vec<Place>,
-    /// For step 0, then for all modes, goal by goal: the starts of the walks of a step, in order.
+    /// The starts of the walks of a step, in order: one list for step 0, then one list for each
+    /// mode, goal by goal.
     pub starts: Vec<Vec<usize>>,
 }
 
@@ -63,8 +64,8 @@ impl Walks {
         let mut begin = 0;
         while begin < bits {
             let part = |count: usize| lists.iter().map(move |list| &list[begin..begin + count]);
-            // A walk always takes one bit. It takes further bits only while its places stay within
-            // the share of these bits.
+            // A walk always takes one bit. It takes further bits only while the number of its
+            // places stays within the share of its bits in all decisions.
             let mut taken = builder
                 .walks(part(1), usize::MAX)
                 .expect("a walk for a single bit has no limit; please report this");

@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 /// Names and values of an element's attributes, in order.
 type Attributes = Vec<(&'static str, String)>;
 
-/// Name and version of this program in files.
+/// Name and version of this program, as written into files.
 pub(super) const TOOL: &str = concat!("Linewright ", env!("CARGO_PKG_VERSION"));
 
 /// Number of machine steps in the default experiment, which hosts use if no duration is set.

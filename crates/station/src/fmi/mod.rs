@@ -189,7 +189,7 @@ fn token(hash: &str) -> String {
 }
 
 /// Returns the compilers for the binaries that a unit should have, and a finding for each missing
-/// one. A missing compiler for this computer is only detected in [`build`].
+/// compiler. A missing compiler for this computer is detected only by [`build`].
 pub fn toolchains() -> (Vec<Toolchain>, Vec<Diagnostic>) {
     let mut toolchains = vec![Toolchain::shipping()];
     let mut findings = Vec::new();

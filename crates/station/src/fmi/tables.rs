@@ -71,7 +71,7 @@ pub(super) fn source(
     )
 }
 
-/// Renders the tables that the adapters need in addition to the machine's own ones.
+/// Renders the tables that the adapters need in addition to the tables of the machine.
 pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
     let plant = machine.plant.iter().map(|p| &p.domain);
     let outputs = machine.components.iter().flat_map(|c| {

@@ -1,6 +1,6 @@
 //! Units of measurement in FMI: a factor and exponents of the base units.
 
-/// A unit's exponents of the base units as attributes, and its factor.
+/// Definition of a unit: the exponents of the base units, as attributes, and a factor.
 pub(super) struct Definition {
     pub exponents: &'static [(&'static str, &'static str)],
     pub factor: f64,

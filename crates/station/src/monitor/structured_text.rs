@@ -1,5 +1,10 @@
 //! Emits a monitor of skill orders as a function block of IEC 61131-3. The block has one input per
 //! skill; a rising edge at an input is a call of that skill.
+//!
+//! A table holds the union of each set of skills with one more skill. The block uses the table
+//! skill by skill to find the number of the set of skills that are called at once. It therefore
+//! needs no bit masks, which systems store in different ways. All sets that are never called at
+//! once share one number.
 
 use crate::structured_text::names::{Names, comment, identifier, stem, string};
 use crate::structured_text::tables::{element, named_table};
@@ -14,7 +19,7 @@ use std::collections::BTreeMap;
 /// Maximum length of a rule's text: the default string length of most systems.
 const MAX_TEXT_CHARS: usize = 80;
 
-/// The monitor of a table as a function block `FB_PickAndPlaceUnitOrder`.
+/// Creates the monitor of a table as a function block `FB_PickAndPlaceUnitOrder`.
 pub fn block(table: &Table) -> Block {
     let words = Words::new(table);
     let sets = Sets::new(table);
@@ -146,8 +151,9 @@ impl Words {
     }
 }
 
-/// Numbers of the sets of skills that can be called, and of their subsets in skill order: 0 is the
-/// empty set, the last number stands for every other set.
+/// The numbers of all sets of skills that can be called at once, and of the smaller sets that arise
+/// when their skills are added in order. Number 0 is the empty set; the last number stands for all
+/// other sets.
 struct Sets(BTreeMap<(u32, u64), usize>);
 
 impl Sets {
@@ -247,7 +253,7 @@ struct Description<'a> {
     orders: Vec<String>,
 }
 
-/// The description, paragraph by paragraph.
+/// Renders the description of the block, one paragraph per line.
 fn description(table: &Table, words: &Words) -> Vec<String> {
     let orders = table.rules.iter().map(|r| comment(&r.to_string()));
     let text = render(

@@ -84,7 +84,7 @@ pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
         let content = line.trim_end_matches(['\n', '\r']);
         let place = Span::new(file, at, at + content.len());
         at += line.len();
-        // A line without a line break can be truncated.
+        // The last line might be truncated if it has no line break.
         if !whole {
             reader.cut(place);
         } else if !content.is_empty() {

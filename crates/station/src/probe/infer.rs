@@ -3,7 +3,7 @@
 //! Each answer must explain all observations:
 //!
 //! - The value is at the offset at which every call with a number shows this number, and every call
-//! with a text shows a pointer to this text.
+//!   with a text shows a pointer to this text.
 //! - The size of an argument is the distance from one value to the next.
 //! - The width of an integer is the number of bytes that match the number, including its sign.
 //! - The tag is at the offset at which the bytes differ between kinds and agree within each kind.

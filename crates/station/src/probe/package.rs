@@ -52,7 +52,7 @@ struct CallOfMethod {
     name: String,
     /// Arguments, each preceded by a comma.
     arguments: String,
-    /// The argument if it is a time, which needs a variable in SimTalk; otherwise `None`.
+    /// The argument if it is a time, because a time needs a variable in SimTalk; otherwise `None`.
     duration: Option<String>,
 }
 

@@ -24,7 +24,8 @@ pub const FILE_SCHEMA: &str = include_str!("uf-profile.schema.json");
 /// Number of bytes of the union's value: a real number or a pointer.
 pub const VALUE_BYTES: u32 = 8;
 
-/// Maximum size of a `UF_Value` in bytes, up to which the probe reads.
+/// Maximum size of a `UF_Value` in bytes. The probe reads at most this number of bytes per
+/// argument.
 pub const MAX_SIZE: u32 = 64;
 
 /// An assumed layout with its name and origin.

@@ -25,14 +25,14 @@ pub(super) struct Assumptions {
     state: String,
     first: String,
     later: String,
-    /// Inputs kept from the previous step: the variable, the input that it copies, and its value
+    /// Stored inputs of the previous step: the variable, the input that it copies, and its value
     /// before step 0.
     kept: Vec<(Variable, String, String)>,
 }
 
 impl Assumptions {
-    /// Converts the assumptions of a machine; `state` is the variable of its state, which is
-    /// negative before step 0.
+    /// Converts the assumptions of a machine. `state` is the variable that holds the machine's
+    /// state, which is negative before step 0.
     pub fn new(interface: &mut Interface<'_>, specification: &Specification, state: &str) -> Self {
         let side = &specification.assumptions;
         let mut kept = BTreeMap::new();
@@ -112,8 +112,8 @@ impl Assumptions {
         &self.no_step
     }
 
-    /// Statements of a machine's step: assumption checks, then the transition, then the copies of
-    /// inputs to keep.
+    /// Returns the statements of a machine's step: they check the assumptions, take the transition,
+    /// and store the inputs that the next step reads.
     pub fn around(&self, own: &BlockVariables, transition: &str) -> String {
         let (refused, no_error) = (&own.refused, &own.no_error);
         let mut out = String::new();
@@ -144,7 +144,7 @@ impl Assumptions {
         out
     }
 
-    /// Statements that reset the kept inputs.
+    /// Statements that reset the stored inputs.
     pub fn reset(&self) -> String {
         let kept = self.kept.iter();
         kept.fold(String::new(), |mut out, (copy, _, initial)| {
@@ -153,7 +153,7 @@ impl Assumptions {
         })
     }
 
-    /// Variables of the kept inputs.
+    /// Variables that store the inputs.
     pub fn into_locals(self) -> impl Iterator<Item = Variable> {
         self.kept.into_iter().map(|(copy, ..)| copy)
     }

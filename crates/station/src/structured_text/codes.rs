@@ -16,7 +16,7 @@ pub(super) fn width(ports: &[Port<'_>]) -> Width {
     widths.max().unwrap_or(Width::Int)
 }
 
-/// Statements that store the number of a port in `target`, of this width.
+/// Statements that store the number of a port in `target`, a variable of this width.
 pub(super) fn read(port: &Port<'_>, target: &str, width: Width) -> String {
     let name = &port.name;
     match &port.kind {
@@ -34,7 +34,7 @@ pub(super) fn read(port: &Port<'_>, target: &str, width: Width) -> String {
     }
 }
 
-/// Statements that set a port from its number in `source`, of this width.
+/// Statements that set a port from its number in `source`, an expression of this width.
 pub(super) fn write(port: &Port<'_>, source: &str, width: Width) -> String {
     let name = &port.name;
     match &port.kind {

@@ -140,7 +140,7 @@ impl Translator<'_> {
         })
     }
 
-    /// Compares two values of one enumeration.
+    /// Returns the comparison of two values of one enumeration; `None` for other operands.
     fn labels(&self, a: &Expr, b: &Expr, equal: bool) -> Option<String> {
         let (a, b) = match (a, b) {
             (Expr::Const(_) | Expr::If(..), Expr::Var(..)) => (b, a),
@@ -155,7 +155,7 @@ impl Translator<'_> {
         Some(format!("({name} {sign} {other})"))
     }
 
-    /// The label for a value of a port's enumeration.
+    /// Returns the label for a value of a port's enumeration; `None` for any other expression.
     fn label(&self, expr: &Expr, port: &Port<'_>) -> Option<String> {
         match expr {
             Expr::Const(c) => port.labels.get(usize::try_from(*c).ok()?).cloned(),

@@ -15,7 +15,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Tables of the decisions, and of the functions' roots among them.
+/// Tables of the decisions, and of the edges at which the functions begin.
 struct Tables {
     assumption: Variable,
     assumption_error: Variable,
@@ -304,7 +304,7 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
     }
 }
 
-/// Width of the variable in which values are split into bits.
+/// Width of the variable that is used to split values into bits.
 fn code_width(interface: &Interface<'_>) -> Width {
     let ports = || interface.inputs.iter().chain(&interface.outputs);
     let widths = ports().map(|p| {

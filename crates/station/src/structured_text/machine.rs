@@ -127,7 +127,7 @@ fn condition(inputs: &[Port<'_>], machine: &Machine, guard: &Guard) -> Option<St
     })
 }
 
-/// Joins operands with an operator; several are put in parentheses.
+/// Joins operands with an operator; several operands are put in parentheses.
 fn grouped(operands: &[String], operator: &str) -> String {
     match operands {
         [only] => only.clone(),
@@ -135,8 +135,8 @@ fn grouped(operands: &[String], operator: &str) -> String {
     }
 }
 
-/// The tests that all hold exactly if a port has one of these values; empty if every value is
-/// allowed.
+/// Returns the tests that all hold exactly if a port has one of these values; empty if every value
+/// is allowed.
 fn port_tests(port: &Port<'_>, values: &[(i64, i64)]) -> Vec<String> {
     let name = &port.name;
     let (low, high) = (port.of.domain.low(), port.of.domain.high());

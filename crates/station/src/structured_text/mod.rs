@@ -34,7 +34,7 @@ pub struct Block {
     pub name: String,
     /// Description and usage, one paragraph per line.
     pub description: Vec<String>,
-    /// Enumerations that the block uses; its error type comes last.
+    /// Enumerations that the block uses; the block's error type comes last.
     pub types: Vec<Enumeration>,
     /// Variables by kind; in each kind, the block's own variables come before the contract's.
     pub sections: Vec<(Section, Vec<Variable>)>,

@@ -1,8 +1,9 @@
 //! Emits a machine as tables, for machines with many states and transitions.
 //!
-//! A state has transitions, a transition has cubes, a cube has tests; the rows of each extend from
-//! its first row to the first row of its successor. A table of distinct answers holds the output
-//! values of transitions.
+//! A state has transitions, a transition has cubes, and a cube has tests. The cubes of a
+//! transition, for example, are the rows from the first cube of this transition up to the first
+//! cube of the following transition. A table of distinct answers holds the output values of
+//! transitions.
 
 use super::assumptions::Assumptions;
 use super::interface::Interface;
@@ -39,7 +40,7 @@ struct TableStep<'a> {
     no_step: &'a str,
     /// Index of the transition's first output value.
     answer: String,
-    /// Statements that set the outputs from these values.
+    /// Statements that set the outputs from the output values of the transition.
     outputs: Vec<String>,
     state: &'a str,
     next_state: String,

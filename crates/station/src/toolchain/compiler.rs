@@ -1,16 +1,16 @@
 //! Finds C compilers for this computer and for 64-bit Windows.
 //!
-//! The compiler for this computer is the one that the `cc` crate finds, which respects the
-//! environment variables `CC` and `CFLAGS`. Windows libraries are built with the first available
-//! compiler of this list, with the flags from `CFLAGS_x86_64_pc_windows_gnu`:
+//! The `cc` crate finds the compiler for this computer; it respects the environment variables `CC`
+//! and `CFLAGS`. Windows libraries are built with the first available compiler of this list, with
+//! the flags from `CFLAGS_x86_64_pc_windows_gnu`:
 //!
 //! 1. the value of `CC_x86_64_pc_windows_gnu`;
 //! 2. `x86_64-w64-mingw32-gcc` on the PATH (Debian's `gcc-mingw-w64-x86-64`);
 //! 3. `zig` on the PATH, as `zig cc`;
 //! 4. `python3 -m ziglang`, or `python -m ziglang` (PyPI's `ziglang`).
 //!
-//! Microsoft's compiler is searched only on Windows, and not with the `cc` crate, which would
-//! return another compiler on other systems.
+//! Microsoft's compiler is found only on Windows, by `cc::windows_registry`. The general search of
+//! the `cc` crate would return another compiler on other systems.
 
 use super::trial::{self, Answer};
 use crate::Error;
@@ -56,7 +56,7 @@ pub struct Compiler {
 /// The environment variable that names the compiler for Windows.
 const NAMED: &str = "CC_x86_64_pc_windows_gnu";
 
-/// The environment variable with flags for that compiler.
+/// The environment variable with flags for the compiler for Windows.
 const NAMED_FLAGS: &str = "CFLAGS_x86_64_pc_windows_gnu";
 
 impl Platform {
@@ -117,8 +117,9 @@ impl Compiler {
         }
     }
 
-    /// Finds the compiler for this computer, or the one with the given path or name. It must take
-    /// the options of cc. `work` is a folder for the files that identify its kind.
+    /// Finds the compiler for this computer, or the one with the given path or name. The compiler
+    /// must take the options of `cc`. `work` is a folder for the files with which the `cc` crate
+    /// identifies the kind of the compiler.
     pub(super) fn host(wanted: Option<&Path>, work: &Path) -> Result<Self, Error> {
         let missing = |command: String, cause: String| Error::CompilerMissing { command, cause };
         let named = || match (wanted, std::env::var("CC")) {
@@ -217,7 +218,7 @@ impl CrossCompiler {
         }
     }
 
-    /// Whether the compiler is searched even if the environment does not name it.
+    /// Whether the compiler is searched for even if the environment does not name it.
     pub fn is_searched_by_default(self) -> bool {
         self != Self::Named
     }

@@ -7,9 +7,9 @@
 //!
 //! # Same package, same compiler, same bytes
 //!
-//! The compiler is started in a temporary folder with file names only, which are derived from the
-//! machine's name. By default the linker for Windows records the time and the library's own name;
-//! the former is disabled, the latter is fixed.
+//! The compiler is started in a temporary folder and receives only file names without folders,
+//! which are derived from the machine's name. By default, the linker for Windows records the time
+//! and the library's own name. Recording the time is disabled, and the name is fixed.
 //!
 //! # Optimisation
 //!
@@ -50,7 +50,8 @@ const FLAGS: [&str; 4] = [
     "-ffp-contract=off",
 ];
 
-/// Optimization level of the runner's own libraries, and of shipped ones.
+/// Optimization levels of the libraries that the runner builds for itself, and of shipped
+/// libraries.
 const FAST_TO_BUILD: &str = "-O0";
 const FAST_TO_STEP: &str = "-O1";
 
@@ -96,7 +97,7 @@ pub struct Toolchain {
     flags: Vec<String>,
     /// Additional flags at the end.
     linker: &'static [&'static str],
-    /// Name of a compiler for Windows; empty for others.
+    /// Name of a compiler for Windows; empty for other compilers.
     name: &'static str,
     /// Deadline at which compilers are terminated.
     deadline: Deadline,
@@ -151,7 +152,7 @@ impl Toolchain {
     }
 
     /// Uses the compiler that the environment names, or else the platform's `cc`, without
-    /// optimization. The compiler is not searched before its first use.
+    /// optimization. The compiler is not searched for before its first use.
     pub fn host() -> Self {
         Self::like_gcc(Platform::Host, FAST_TO_BUILD)
     }
@@ -175,7 +176,7 @@ impl Toolchain {
         let mut toolchain = Self::like_gcc(Platform::Windows, FAST_TO_STEP);
         if matches!(kind, CrossCompiler::Zig | CrossCompiler::PythonZig) {
             // By default, zig adds traps for undefined behavior, and debug information with paths.
-            // Its linker records no time, and rejects the option to omit it.
+            // Its linker records no time, and rejects the option that omits the time.
             let quiet = ["-fno-sanitize=undefined", "-g0", "-s"];
             toolchain.flags.extend(quiet.map(str::to_owned));
             toolchain.linker = &[];
@@ -211,7 +212,7 @@ impl Toolchain {
         self
     }
 
-    /// Sets the deadline at which running compilers are terminated, and after which none is
+    /// Sets the deadline at which running compilers are terminated, and after which no compiler is
     /// started.
     #[must_use]
     pub fn with_deadline(mut self, deadline: Deadline) -> Self {
@@ -290,13 +291,14 @@ impl Toolchain {
         };
         self.deadline.check().map_err(given_up)?;
         create_folder(folder)?;
-        // In the same folder as the result, so that the library can be moved by renaming.
+        // The work folder is in the folder of the result, so that the library can be moved by
+        // renaming.
         let work = WorkFolder::new(folder)?;
         let written = package.write_source(work.path())?;
         let source = written.file_name().unwrap_or_default();
         let compiler = self.compiler(work.path())?;
         let shown = compiler.show();
-        // A library for Windows contains this name.
+        // A library for Windows contains its own name, so this name must not vary.
         let made = format!("{}{}", package.stem, self.platform.suffix());
         let mut command = compiler.command();
         command
@@ -361,8 +363,8 @@ impl Toolchain {
         arguments
     }
 
-    /// Returns the compiler, which is searched on first use. `work` is a folder for the files that
-    /// identify its kind.
+    /// Returns the compiler, which is searched for on first use. `work` is a folder for the files
+    /// that identify the kind of the compiler.
     fn compiler(&self, work: &Path) -> Result<&Compiler, Error> {
         let found = self.found.get_or_init(|| {
             Compiler::host(self.command.as_deref(), work).map_err(|e| match e {

@@ -54,7 +54,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// The compiler that `--target windows` uses: the first that exists. It can have a fault.
+    /// The compiler that `--target windows` uses: the first that exists, even if it has a fault.
     pub fn windows(&self) -> Option<(CrossCompiler, &FoundProgram)> {
         let mut cross = self.cross.iter();
         cross.find_map(|(kind, found)| Some((*kind, found.as_ref()?)))
@@ -111,7 +111,8 @@ fn host() -> Result<FoundProgram, Error> {
         cause,
     })?;
     let unusable = |command: String, cause: String| Error::CompilerMissing { command, cause };
-    // The `cc` crate would wait forever for a hanging compiler, so test this first.
+    // The `cc` crate would wait forever for a hanging compiler, so this function first checks that
+    // the compiler answers.
     let named = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
     let program = named.split_whitespace().next().unwrap_or("cc");
     if let Some(program) = on_path(OsStr::new(program)) {
@@ -130,7 +131,7 @@ fn host() -> Result<FoundProgram, Error> {
     })
 }
 
-/// Asks a program for its version.
+/// Runs a program to find out its version.
 fn with_version(program: &Path) -> FoundProgram {
     let mut command = Command::new(program);
     let answer = trial::answer(command.arg("--version").env("WINEDEBUG", "-all"));

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-/// Time after which a program that has not ended is considered hung. The first run of Zig is slow.
+/// Time after which a program that has not ended is considered hung. It is long because the first
+/// run of Zig is slow.
 const ANSWER_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// Output of a program that has ended.
@@ -40,7 +41,8 @@ pub(super) fn answer_until(
     command: &mut Command,
     deadline: Deadline,
 ) -> std::io::Result<Result<Answer, StopReason>> {
-    // Files instead of pipes: a background process that the program leaves cannot block reading.
+    // The output goes to files instead of pipes, because a background process that the program
+    // leaves behind would block reading from a pipe.
     let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
     let mut child = command
         .stdin(Stdio::null())
@@ -106,7 +108,7 @@ pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
         return Err(why());
     }
     let length = std::fs::metadata(&object).map_or(0, |m| m.len());
-    // The next compiler uses the same file name.
+    // The file is removed because the next compiler uses the same file name.
     let _ = std::fs::remove_file(&object);
     if length == 0 {
         return Err("it wrote no object file".to_owned());

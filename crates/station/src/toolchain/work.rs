@@ -29,7 +29,7 @@ pub struct WorkFolder {
 }
 
 impl WorkFolder {
-    /// Creates a work folder in `parent`, and removes those left by killed builds.
+    /// Creates a work folder in `parent`, and removes work folders that were left by killed builds.
     pub fn new(parent: &Path) -> Result<Self, Error> {
         remove_stale(parent);
         let unwritable = |cause| Error::Unwritable {

@@ -14,7 +14,8 @@
 //! the condition `F r`: `F r -> (!r U<=n (p & !r))`. After q, steps are counted from the first q.
 
 use super::deadline::Deadline;
-use super::{Expr, Kind, Monitors, Obligation, Origin, Scope};
+use super::{Expr, Monitors, Obligation, Origin, Scope};
+use crate::gr1::FormulaKind;
 
 pub(super) fn lower(
     monitors: &mut Monitors,
@@ -34,7 +35,7 @@ pub(super) fn within(
     origin: &Origin,
 ) -> Vec<Obligation> {
     if (scope, steps) == (&Scope::Globally, 0) {
-        return vec![Obligation::new(Kind::Initial, p)];
+        return vec![Obligation::new(FormulaKind::Initial, p)];
     }
     // If the scope is open from the beginning, the request is made in the step before step 0.
     let (trigger, steps, from_start) = match scope.opening(monitors, origin) {

@@ -4,9 +4,9 @@
 //! past is stored in additional variables of the machine, called *monitors*. The idea is old
 //! (Pnueli, The Temporal Semantics of Concurrent Programs, 1981, for past operators; Maoz and
 //! Ringert, GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015, for patterns). What is
-//! new here: every pattern is written with past operators only, and a [`Scope`] defines when it is
-//! open. So the 25 combinations need only five scopes and five patterns, and equal parts of
-//! different formulas share one monitor.
+//! new here: every pattern is written with past operators only, and a [`Scope`] defines the steps
+//! in which the pattern has to hold. So the 25 combinations need only five scopes and five
+//! patterns, and equal parts of different formulas share one monitor.
 //!
 //! # What a monitor is
 //!
@@ -38,8 +38,8 @@
 //! distinguished. All formulas with the same scope share the bits that store whether it is open,
 //! and all formulas with `once p` share its bit. A response or existence within *n* steps needs a
 //! counter up to *n*, or up to *n* + 1 in a scope that counts only if it closes (one more for an
-//! existence in a scope that is open from the beginning). A response also needs the bit of the
-//! scope if it needs one in the table.
+//! existence in a scope that is open from the beginning). A response in any scope but `globally`
+//! also needs the bit that stores whether the scope is open.
 //!
 //! # Assumptions
 //!
@@ -65,10 +65,12 @@ pub use scope::Scope;
 pub use unroll::UnrolledInvariant;
 
 use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, VarId, Variable};
+use crate::gr1::FormulaKind;
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Placeholder for the value of a monitor in its own update, as long as it has no variable.
+/// Placeholder for the value of a monitor in its own update, as long as the monitor has no
+/// variable.
 const SELF_VALUE: VarId = VarId(u32::MAX);
 
 /// The formula that a monitor is created for. Its text is displayed instead of the formulas that
@@ -106,7 +108,7 @@ impl Monitor {
         self.formula(Expr::now(self.id).equals(Expr::Const(self.initial)))
     }
 
-    /// Returns the safety guarantee: the next value is that of the update.
+    /// Returns the safety guarantee: the monitor's next value equals its update.
     pub fn update_formula(&self) -> Formula {
         self.formula(Expr::next(self.id).equals(self.update.clone()))
     }
@@ -123,30 +125,17 @@ impl Monitor {
     }
 }
 
-/// Selects the list of a [`Side`] that an obligation belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
-    /// Holds in step 0.
-    Initial,
-    /// Holds in every step.
-    Invariant,
-    /// Holds from every step to the next.
-    Safety,
-    /// Holds infinitely often.
-    Justice,
-}
-
 /// One of the formulas a pattern is reduced to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Obligation {
     /// When the condition has to hold.
-    pub kind: Kind,
+    pub kind: FormulaKind,
     /// Condition that has to hold. Obligations of patterns read current values only.
     pub expr: Expr,
 }
 
 impl Obligation {
-    fn new(kind: Kind, expr: &Expr) -> Self {
+    fn new(kind: FormulaKind, expr: &Expr) -> Self {
         Self {
             kind,
             expr: expr.simplify(),
@@ -155,12 +144,7 @@ impl Obligation {
 
     /// Adds the obligation to its list, with the name, place and text of `origin`.
     pub fn add_to(&self, side: &mut Side, origin: &Origin) {
-        let list = match self.kind {
-            Kind::Initial => &mut side.initial,
-            Kind::Invariant => &mut side.invariants,
-            Kind::Safety => &mut side.safety,
-            Kind::Justice => &mut side.justice,
-        };
+        let list = side.list_mut(self.kind);
         list.push(Formula {
             defines: false,
             name: origin.name.clone(),
@@ -182,12 +166,12 @@ pub enum Pattern {
     Existence(Expr, Option<u32>),
     /// The condition holds in every step.
     Universality(Expr),
-    /// `then` does not hold before `first` has held; both may hold for the first time in the same
+    /// `then` does not hold before `first` has held. Both can hold for the first time in the same
     /// step.
     Precedence {
         /// Condition that has to come first.
         first: Expr,
-        /// Condition that may only come afterwards.
+        /// Condition that must not come before `first`.
         then: Expr,
     },
     /// Every `trigger` is answered in its step or later; with a bound, at most that many steps
@@ -227,14 +211,14 @@ pub struct Monitors {
     /// Monitors by domain, initial value and update, in which [`SELF_VALUE`] stands for the
     /// monitor.
     known: HashMap<(Domain, i64, Expr), VarId>,
-    /// Boolean monitors that start as false, by update: each is the value of that expression one
-    /// step ago.
+    /// Boolean monitors that start as false, by update: each holds the value that its update
+    /// expression had one step ago.
     delays: HashMap<Expr, VarId>,
 }
 
 impl Monitors {
-    /// Creates an empty set. The first monitor will have the id `first`, the next ones the ids
-    /// after it; no monitor gets a name in `taken`.
+    /// Creates an empty set. The first monitor will have the id `first`, and the following monitors
+    /// the ids after it. No monitor gets a name in `taken`.
     pub fn new(first: VarId, taken: impl IntoIterator<Item = String>) -> Self {
         Self {
             first: first.0,
@@ -327,8 +311,8 @@ impl Monitors {
         }
     }
 
-    /// Creates, or reuses, the boolean monitor that is `initially` in step 0 and whose update is
-    /// `now` applied to its own value.
+    /// Creates or reuses a boolean monitor. Its value in step 0 is `initially`, and its update is
+    /// `now` applied to the monitor's own value.
     fn track(
         &mut self,
         stem: &'static str,

@@ -29,8 +29,8 @@ impl Monitors {
         }
     }
 
-    /// Returns for how many more steps, this step included, "`p` held in one of the previous
-    /// `steps` steps" stays true if `p` never holds again.
+    /// Returns the number of steps, including this step, in which "`p` held in one of the previous
+    /// `steps` steps" remains true if `p` never holds again.
     pub(super) fn steps_left(
         &mut self,
         stem: &'static str,

@@ -1,4 +1,4 @@
-//! Precedence: p does not hold before s has held; both may hold for the first time in the same
+//! Precedence: p does not hold before s has held. Both can hold for the first time in the same
 //! step.
 //!
 //! | scope | meaning |

@@ -16,11 +16,12 @@
 //! Dwyer's formulas for the last two scopes constrain *every* q: what has to happen in the scope
 //! has to happen after the last q in it.
 //!
-//! With the five functions below, a pattern is one formula for all scopes. The only real difference
-//! is whether a scope counts if it never closes. If it does not, a violation is stored until r
-//! holds ([`Scope::never`]).
+//! With the functions of [`Scope`], a pattern is one formula for all scopes. The only remaining
+//! difference is whether a scope counts if it never closes. If it does not count, a violation is
+//! stored until r holds ([`Scope::never`]).
 
-use super::{BinaryOp, Expr, Kind, Monitors, Obligation, Origin, TrackedFormula};
+use super::{BinaryOp, Expr, Monitors, Obligation, Origin, TrackedFormula};
+use crate::gr1::FormulaKind;
 
 /// Steps in which a pattern has to hold. Operands are boolean expressions over current values.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -131,7 +132,10 @@ impl Scope {
             None => Vec::new(),
         };
         if !self.counts_if_closed() {
-            found.push(Obligation::new(Kind::Justice, &open.now.clone().not()));
+            found.push(Obligation::new(
+                FormulaKind::Justice,
+                &open.now.clone().not(),
+            ));
         }
         found
     }
@@ -139,7 +143,7 @@ impl Scope {
 
 /// Returns a single invariant.
 pub(super) fn invariant(expr: &Expr) -> Vec<Obligation> {
-    vec![Obligation::new(Kind::Invariant, expr)]
+    vec![Obligation::new(FormulaKind::Invariant, expr)]
 }
 
 /// Returns `a = value`.

@@ -1,13 +1,13 @@
 //! Rewriting of formulas that read monitors, for use as assumptions.
 //!
-//! A monitor is a variable of the machine. Initial conditions and invariants that are assumed may
-//! mention inputs only, and assumed safety may mention next values of inputs only. But a monitor's
-//! value in step 0 is known, and its next value is an expression over current values. So an
-//! invariant over inputs and monitors is equivalent to an initial condition without monitors and a
-//! safety formula without next values of monitors.
+//! A monitor is a variable of the machine. An assumed initial condition or invariant must mention
+//! inputs only, and in an assumed safety formula, next values must be those of inputs. But a
+//! monitor's value in step 0 is known, and its next value is an expression over current values. So
+//! an invariant over inputs and monitors is equivalent to an initial condition without monitors and
+//! a safety formula without next values of monitors.
 
-use super::{Kind, Monitors, Obligation};
-use crate::gr1::{Expr, Time};
+use super::{Monitors, Obligation};
+use crate::gr1::{Expr, FormulaKind, Time};
 
 /// An invariant, split into an initial condition and a safety formula.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,17 +56,22 @@ impl Monitors {
 
     /// Converts an obligation to obligations that can be assumed: invariants that read a monitor
     /// are split, and formulas that are always true are dropped. The caller must check that the
-    /// formulas mention no outputs that an assumption may not mention.
+    /// formulas mention only variables that are allowed in an assumption.
     pub fn as_assumptions(&self, obligation: &Obligation) -> Vec<Obligation> {
         let Obligation { kind, expr } = obligation;
         let parts = match kind {
-            Kind::Initial => vec![(Kind::Initial, self.at_start(expr))],
-            Kind::Invariant if self.occur_in(expr) => {
+            FormulaKind::Initial => vec![(FormulaKind::Initial, self.at_start(expr))],
+            FormulaKind::Invariant if self.occur_in(expr) => {
                 let UnrolledInvariant { initial, safety } = self.unroll(expr);
-                vec![(Kind::Initial, initial), (Kind::Safety, safety)]
+                vec![
+                    (FormulaKind::Initial, initial),
+                    (FormulaKind::Safety, safety),
+                ]
             }
-            Kind::Invariant => vec![(Kind::Invariant, expr.clone())],
-            Kind::Safety | Kind::Justice => vec![(*kind, self.without_next_monitors(expr))],
+            FormulaKind::Invariant => vec![(FormulaKind::Invariant, expr.clone())],
+            FormulaKind::Safety | FormulaKind::Justice => {
+                vec![(*kind, self.without_next_monitors(expr))]
+            }
         };
         let parts = parts.into_iter();
         parts

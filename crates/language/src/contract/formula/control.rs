@@ -5,8 +5,8 @@ use super::{Label, Place};
 use crate::contract::elaborate::{Elaborator, Names};
 use crate::contract::shape::leaf_path;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::monitors::{Kind, Monitors, Obligation};
-use linewright_core::gr1::{Expr, Owner, Time, VarId};
+use linewright_core::gr1::monitors::{Monitors, Obligation};
+use linewright_core::gr1::{Expr, FormulaKind, Owner, Time, VarId};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, BinaryOp, ExprKind};
 use linewright_syntax::format;
@@ -25,7 +25,7 @@ pub(super) fn controls(
     let kind = *kind;
     if label.guarantee {
         if !mentions_outputs(e.memory.monitors.as_ref(), expr, label)
-            && kind != Kind::Justice
+            && kind != FormulaKind::Justice
             && !matches!(expr, Expr::Const(_))
         {
             let finding = inputs_only(&e.names, &super::whole(formula, place), expr, label);
@@ -35,12 +35,12 @@ pub(super) fn controls(
     }
     let (now, next) = outputs(expr, label);
     let (bad, time) = match kind {
-        Kind::Safety if looks_back => (next, Time::Next),
-        Kind::Justice => return true,
+        FormulaKind::Safety if looks_back => (next, Time::Next),
+        FormulaKind::Justice => return true,
         _ if looks_back && now.is_empty() => (next, Time::Next),
         _ if looks_back => (now, Time::Now),
-        Kind::Initial | Kind::Invariant => (now, Time::Now),
-        Kind::Safety => (next, Time::Next),
+        FormulaKind::Initial | FormulaKind::Invariant => (now, Time::Now),
+        FormulaKind::Safety => (next, Time::Next),
     };
     let Some(first) = bad.first().cloned() else {
         return true;
@@ -51,12 +51,12 @@ pub(super) fn controls(
         _ if looks_back => format!(
             "the plant sets its inputs before it sees `{first}` of the same step: refer to `previous {first}`, or write `guarantee {text}` if the machine has to ensure this"
         ),
-        Kind::Initial => {
+        FormulaKind::Initial => {
             format!(
                 "an initial assumption can refer only to inputs: write `guarantee {text}` to constrain the start of the machine"
             )
         }
-        Kind::Safety => format!(
+        FormulaKind::Safety => format!(
             "the plant sets its next inputs before it sees `next {first}`: refer to the current `{first}`, or write `guarantee {text}` if the machine has to ensure this"
         ),
         _ => format!(

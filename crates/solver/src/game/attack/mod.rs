@@ -80,7 +80,7 @@ pub fn select_guarantees(
     specification: &Specification,
     guarantees: &[GuaranteeRef],
 ) -> Specification {
-    use super::reference::GuaranteeKind as Kind;
+    use linewright_core::gr1::FormulaKind as Kind;
     let all = &specification.guarantees;
     let keep = |kind: Kind, list: &[linewright_core::gr1::Formula]| {
         let list = list.iter().enumerate();

@@ -16,9 +16,9 @@
 use super::board::{Board, Stage};
 use super::strategy::Strategy;
 use crate::game::arena::Formulas;
-use crate::game::reference::{GuaranteeKind, GuaranteeRef};
+use crate::game::reference::GuaranteeRef;
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
-use linewright_core::gr1::{Specification, Time, Timing, VarId};
+use linewright_core::gr1::{FormulaKind, Specification, Time, Timing, VarId};
 use serde::{Deserialize, Serialize};
 
 /// A play lost by the machine.
@@ -218,7 +218,7 @@ impl<K: Kernel> Player<'_, K> {
         let safety = &self.specification.guarantees.safety;
         let mut found = Vec::new();
         for (guarantee, function) in formulas.step_guarantees(false)? {
-            if guarantee.kind == GuaranteeKind::Safety
+            if guarantee.kind == FormulaKind::Safety
                 && !safety[guarantee.index].expr.mentions_next()
             {
                 found.push((guarantee, self.m.prime(&function)?));
@@ -316,7 +316,7 @@ impl<K: Kernel> Player<'_, K> {
             if !m.is_false(&m.and(&stage.reached, &cube)?) {
                 let index = stage.starve.as_ref().map_or(0, |s| s.goal);
                 return Ok(GuaranteeRef {
-                    kind: GuaranteeKind::Justice,
+                    kind: FormulaKind::Justice,
                     index,
                 });
             }

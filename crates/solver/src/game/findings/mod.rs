@@ -17,10 +17,10 @@ use super::arena::{Arena, Formulas, Selection};
 use super::fixpoint::winning_states;
 use super::lasting::cooperating;
 use super::reachable::{self, reachable};
-use super::reference::{AssumptionRef, GuaranteeKind};
+use super::reference::AssumptionRef;
 use super::set_up::SPLIT;
 use crate::symbolic::{Bit, Kernel, Limit};
-use linewright_core::gr1::{Specification, Time, VarId};
+use linewright_core::gr1::{FormulaKind, Specification, Time, VarId};
 use serde::{Deserialize, Serialize};
 
 /// A set of valuations: the values of the variables in the order of the specification, `None` for a
@@ -96,7 +96,7 @@ pub fn examine<K: Kernel>(
     if !m.is_false(&forced) || !m.is_false(&recklessly) {
         let guarantees = formulas.guarantees();
         for assumption in formulas.assumptions() {
-            if assumption.kind == GuaranteeKind::Initial {
+            if assumption.kind == FormulaKind::Initial {
                 continue;
             }
             let guarantees = if m.is_false(&forced) {

@@ -9,9 +9,11 @@
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
 use crate::game::lasting::lasting;
-use crate::game::reference::{AssumptionRef, GuaranteeKind as Kind, all};
+use crate::game::reference::{AssumptionRef, all};
 use crate::symbolic::{Kernel, Limit};
-use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, UnaryOp, VarId};
+use linewright_core::gr1::{
+    BinaryOp, Domain, Expr, FormulaKind as Kind, Owner, Specification, Time, UnaryOp, VarId,
+};
 use serde::{Deserialize, Serialize};
 
 /// A request that need not be completed.

@@ -9,12 +9,12 @@ use super::{PartialValuation, prime_implicant};
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
 use crate::game::reachable::reachable;
-use crate::game::reference::{AssumptionRef, GuaranteeKind as Kind, GuaranteeRef, all};
+use crate::game::reference::{AssumptionRef, GuaranteeRef, all};
 use crate::game::relation::Relation;
 use crate::game::set_up::SPLIT;
 use crate::symbolic::{BitSet, Kernel, Limit};
 use linewright_core::gr1::{
-    BinaryOp, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId,
+    BinaryOp, Expr, Formula, FormulaKind as Kind, Owner, Side, Specification, Time, Timing, VarId,
 };
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Possible repairs of an unrealizable specification, as plain data.
 
-use crate::game::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
-use linewright_core::gr1::Expr;
+use crate::game::reference::{AssumptionRef, GuaranteeRef};
+use linewright_core::gr1::{Expr, FormulaKind};
 use serde::{Deserialize, Serialize};
 
 /// Possible repairs of an unrealizable specification.
@@ -30,7 +30,7 @@ pub struct Advice {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NewAssumption {
     /// Kind of the assumption.
-    pub kind: GuaranteeKind,
+    pub kind: FormulaKind,
     /// The formula.
     pub formula: Expr,
     /// Share (0 to 1) of the environment's steps that the assumption forbids; for justice, of the

@@ -3,9 +3,9 @@
 use super::advice::{NewAssumption, Weakening};
 use super::trial::Trials;
 use super::vocabulary::{Word, negation};
-use crate::game::reference::{GuaranteeKind as Kind, GuaranteeRef, split_definitions};
+use crate::game::reference::{GuaranteeRef, split_definitions};
 use crate::symbolic::{Kernel, Limit};
-use linewright_core::gr1::{BinaryOp, Expr, Specification, Time, VarId};
+use linewright_core::gr1::{BinaryOp, Expr, FormulaKind as Kind, Specification, Time, VarId};
 
 /// Maximum number of conditions in a suggestion.
 const MAX_CONDITIONS: usize = 2;

@@ -4,10 +4,10 @@ use crate::game::arena::{Formulas, Selection};
 use crate::game::findings::{self, EnvironmentFindings, shape};
 use crate::game::fixpoint::{Iterations, winning_region};
 use crate::game::lasting::cooperating;
-use crate::game::reference::{GuaranteeKind, GuaranteeRef};
+use crate::game::reference::GuaranteeRef;
 use crate::game::set_up::SPLIT;
 use crate::symbolic::{Kernel, Limit};
-use linewright_core::gr1::{Expr, Specification, Time, Timing};
+use linewright_core::gr1::{Expr, FormulaKind, Specification, Time, Timing};
 
 /// Maximum number of games that a search for repairs of one kind solves for the core.
 const MAX_GAMES: usize = 600;
@@ -70,7 +70,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
 
     /// Whether one more assumption makes the core realizable. Returns false once the maximum number
     /// of games is reached.
-    pub fn helps_core(&mut self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
+    pub fn helps_core(&mut self, kind: FormulaKind, expr: &Expr) -> Result<bool, Limit> {
         if self.is_exhausted() {
             return Ok(false);
         }
@@ -125,7 +125,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
 
     /// Whether one more assumption makes the whole specification realizable, is compatible with the
     /// other formulas, adds no dead end, and leaves the assumptions well-separated.
-    pub fn helps_whole(&self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
+    pub fn helps_whole(&self, kind: FormulaKind, expr: &Expr) -> Result<bool, Limit> {
         let more = self.formulas.with_assumption(kind, self.encode(expr)?);
         if !wins(&more, &Selection::All)? || !Self::is_satisfiable(&more, &Selection::All)? {
             return Ok(false);

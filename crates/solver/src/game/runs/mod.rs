@@ -18,29 +18,18 @@ mod rule_encoder;
 
 use super::structure;
 use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, OxiDd};
-use linewright_core::gr1::{Domain, Expr, Formula, Side, Specification, Timing, VarId, Variable};
+use linewright_core::gr1::{
+    Domain, Expr, Formula, FormulaKind, Side, Specification, Timing, VarId, Variable,
+};
 use linewright_core::source::Span;
 use rule_encoder::RuleEncoder;
 use std::fmt::Debug;
-
-/// When a rule holds. [`linewright_core::gr1`] defines each kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum RuleKind {
-    /// In step 0.
-    Initial,
-    /// In every step.
-    Invariant,
-    /// From every step to the next.
-    Safety,
-    /// Infinitely often; used in [`RunQuery::infinitely_often`] and [`RunQuery::finitely_often`].
-    Justice,
-}
 
 /// A formula with its kind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rule {
     /// Kind of the rule.
-    pub kind: RuleKind,
+    pub kind: FormulaKind,
     /// The formula.
     pub expr: Expr,
 }

@@ -1,12 +1,12 @@
 //! Encodes rules as functions of bits, and answers queries with them.
 
 use super::path::Path;
-use super::{Lasso, Rule, RuleKind, RunQuery, SafetyViolationQuery, fair, smallest};
+use super::{Lasso, Rule, RunQuery, SafetyViolationQuery, fair, smallest};
 use crate::game::clusters::Clustering;
 use crate::game::heuristics::Heuristics;
 use crate::game::relation::Relation;
 use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
-use linewright_core::gr1::{Expr, Specification, Time, VarId, Variable};
+use linewright_core::gr1::{Expr, FormulaKind, Specification, Time, VarId, Variable};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 
@@ -187,8 +187,8 @@ impl<K: Kernel> RuleEncoder<K> {
         }
         let rule = &rules[index];
         let conjuncts = match rule.kind {
-            RuleKind::Safety | RuleKind::Invariant => rule.expr.conjuncts(),
-            RuleKind::Initial | RuleKind::Justice => vec![&rule.expr],
+            FormulaKind::Safety | FormulaKind::Invariant => rule.expr.conjuncts(),
+            FormulaKind::Initial | FormulaKind::Justice => vec![&rule.expr],
         };
         let encoded: Vec<K::Function> = conjuncts
             .into_iter()
@@ -256,15 +256,15 @@ impl<K: Kernel> RuleEncoder<K> {
         for index in keep {
             let conjuncts = self.conjuncts(rules, *index)?;
             match rules[*index].kind {
-                RuleKind::Initial => initial = m.and(&initial, &m.all(&conjuncts)?)?,
-                RuleKind::Invariant => {
+                FormulaKind::Initial => initial = m.and(&initial, &m.all(&conjuncts)?)?,
+                FormulaKind::Invariant => {
                     for part in &conjuncts {
                         states = m.and(&states, part)?;
                         parts.push(m.prime(part)?);
                     }
                 }
-                RuleKind::Safety => parts.extend(conjuncts),
-                RuleKind::Justice => {}
+                FormulaKind::Safety => parts.extend(conjuncts),
+                FormulaKind::Justice => {}
             }
         }
         let initial = m.and(&states, &initial)?;
@@ -459,7 +459,7 @@ impl<K: Kernel> RuleEncoder<K> {
         let broken = self.broken(rules, query.broken)?;
         let (key, mut reached) = self.reach(rules, &query.before, &variables)?;
         let same_rules = query.before == query.last;
-        let is_invariant = rules[query.broken].kind == RuleKind::Invariant;
+        let is_invariant = rules[query.broken].kind == FormulaKind::Invariant;
         let run = if same_rules && is_invariant {
             self.find_state(&variables, &mut reached, &broken)?
         } else {
@@ -507,18 +507,18 @@ impl<K: Kernel> RuleEncoder<K> {
         variables: &BTreeSet<VarId>,
         reached: &mut ReachableStates<K>,
         last: &Steps<K>,
-        (kind, broken): (RuleKind, &K::Function),
+        (kind, broken): (FormulaKind, &K::Function),
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let m = &self.m;
         let bad = match kind {
-            RuleKind::Safety | RuleKind::Justice => broken.clone(),
-            RuleKind::Initial | RuleKind::Invariant => {
+            FormulaKind::Safety | FormulaKind::Justice => broken.clone(),
+            FormulaKind::Initial | FormulaKind::Invariant => {
                 let at_once = m.and(&last.initial, broken)?;
                 let smallest = smallest(&self.variables);
                 if let Some(first) = self.path(variables, &smallest).state(m, &at_once)? {
                     return Ok(Some(vec![first.0]));
                 }
-                if kind == RuleKind::Initial {
+                if kind == FormulaKind::Initial {
                     return Ok(None);
                 }
                 m.prime(broken)?
