@@ -392,7 +392,7 @@ impl Relevance {
         let components = machine.components.iter().zip(&*interpreter.controllers);
         let values = components.map(|(component, controller)| {
             let specification = &component.specification;
-            // Functions read all values of the previous step.
+            // A symbolic controller reads all values of the previous step.
             let all = controller.machine().is_none();
             let mut read = vec![all; specification.variables.len()];
             let sides = [&specification.assumptions, &specification.guarantees];

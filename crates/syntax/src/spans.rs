@@ -1,4 +1,5 @@
-//! Removes places from trees, so that the content of two texts can be compared.
+//! Removes the source positions from syntax trees, so that the content of two texts can be
+//! compared.
 
 mod skills;
 

@@ -28,10 +28,10 @@ use std::path::Path;
 
     $ linewright order check examples/pick-and-place/crash.csv
 
-A program is a text file with one call per line: a skill, or `Left & Down` for skills called at \
-once. # and // begin a comment.
+A program is a text file with one call per line: a skill, or `Left & Down` for skills called \
+simultaneously. Comments begin with `#` or `//`.
 
-In a .csv file, each row is one call, and its cells are skills called at once. If there are \
+In a .csv file, each row is one call, and its cells are skills called simultaneously. If there are \
 other columns, the first row must be a header with a column `skill`. With a column `step`, \
 consecutive rows with the same step are one call; steps must be in ascending order.
 

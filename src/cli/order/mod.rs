@@ -55,7 +55,8 @@ pub enum LevelName {
     Arbitrary,
     /// Refuse calls that break a rule.
     Valid,
-    /// Also refuse recalls (calls that change nothing), and calls that break rules `at reasonable`.
+    /// Also refuse recalls (calls that change nothing), and calls that break a rule marked `at
+    /// reasonable`.
     Reasonable,
 }
 

@@ -45,9 +45,9 @@ const MAX_CALL_BYTES: usize = 1 << 12;
     linewright order monitor examples/pick-and-place/unit.lw < examples/pick-and-place/intended.txt
     linewright order monitor examples/pick-and-place/unit.lw --emit c --out monitor
 
-Every line of standard input is a call: a skill, or `Left & Down` for skills called at once. # \
-and // begin a comment. Each call is answered with one line: the call, and `ok` or the reason for the refusal; with --format json \
-`{\"line\":3,\"allowed\":true}`. A refused call has no effect. A line that is not a call is refused, too. The exit code is 1 if \
+Every line of standard input is a call: a skill, or `Left & Down` for skills called simultaneously. \
+Comments begin with `#` or `//`. Each call is answered with one line: the call, and `ok` or the reason for the refusal; with \
+--format json, the line is an object such as `{\"line\":3,\"allowed\":true}`. A refused call has no effect. A line that is not a call is refused, too. The exit code is 1 if \
 any call was refused.")]
 pub struct Arguments {
     /// The rules

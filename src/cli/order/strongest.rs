@@ -37,7 +37,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 2, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
     pub longest: u8,
     /// Situation that must stay reachable, such as `left & down` (repeatable)
-    /// [default: all of them]
+    /// [default: all situations]
     #[arg(long, value_name = "SITUATION")]
     pub useful: Vec<String>,
     /// Reject this proposed rule (repeatable)

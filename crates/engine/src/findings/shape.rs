@@ -108,7 +108,10 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
                     "in some situations nothing restricts the next value of `{name}`: the machine can give it any value"
                 ),
             )
-            .with_label(fixer.span, "in other situations this fixes its next value")
+            .with_label(
+                fixer.span,
+                format!("in all other situations, this formula determines the next value of `{name}`"),
+            )
             .with_note(match shown(s, &unframed.situation) {
                 Some(values) => format!("one such situation is {values}"),
                 None => "this is the case in every situation that can occur".to_owned(),

@@ -80,7 +80,7 @@ pub(super) struct Sides {
 }
 
 impl Sides {
-    /// Adds an assumption that is unchanged from the file.
+    /// Adds an assumption that is taken from the file unchanged.
     pub fn assume(&mut self, list: fn(&mut Side) -> &mut Vec<Formula>, formula: Formula) {
         list(&mut self.unchanged).push(formula.clone());
         list(&mut self.assumptions).push(formula);

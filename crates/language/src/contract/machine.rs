@@ -266,7 +266,7 @@ pub enum PropertyKind {
 /// An operation of the machine.
 #[derive(Debug, Clone)]
 pub struct Operation {
-    /// Name: `emptying`.
+    /// Name, such as `emptying`.
     pub name: String,
     /// Taxonomy codes that the machine implements.
     pub codes: Vec<TaxonomyCode>,

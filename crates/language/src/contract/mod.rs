@@ -56,7 +56,7 @@ pub struct Library {
 /// A code of a standard's taxonomy: `din:4.3.1` or `vdi:Drehen`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct TaxonomyCode {
-    /// Code, with the prefix of its standard before the colon.
+    /// Standard and code, separated by a colon: `din:4.3.1`.
     pub text: String,
     /// Source position of the code.
     pub span: Span,

@@ -89,7 +89,7 @@ impl Skills {
 /// A component that skills move: an axis, a gripper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Component {
-    /// Name: `gripper`.
+    /// Name, such as `gripper`.
     pub name: String,
     /// Doc comment without slashes.
     pub doc: String,
@@ -104,7 +104,7 @@ pub struct Component {
 /// A skill that can be called.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Skill {
-    /// Name: `Grip`.
+    /// Name, such as `Grip`.
     pub name: String,
     /// Doc comment without slashes.
     pub doc: String,

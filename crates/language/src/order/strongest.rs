@@ -10,10 +10,10 @@
 //!    Release`, which has the result of `Left`). The result is the situation and the states of all
 //!    rules.
 //! 2. *Test.* A candidate is added as a rule. It is kept if two conditions hold in every state that
-//!    is still reachable: every useful situation that some calls could reach from there without
-//!    candidates can still be reached, and a program that could be completed without candidates can
-//!    still be completed. Otherwise the word is needed, and the result names the situation that
-//!    would be lost.
+//!    is still reachable: every useful situation that was reachable from there before any candidate
+//!    became a rule is still reachable, and every program that could be completed before can still
+//!    be completed. Otherwise the word is needed, and the result names the situation that would be
+//!    lost.
 //! 3. *Order.* Recalls come first, then detours, short ones first, in the order of the skills'
 //!    declaration; each candidate is tested together with all that have been kept. So no rejected
 //!    candidate can be added to the result. The result is a maximal set of candidates, though

@@ -300,7 +300,7 @@ impl Writer<'_> {
         if !initial.is_empty() {
             self.initial(
                 "some_order_at_first",
-                "waiting parts are in some order",
+                "waiting parts form a queue, in any order",
                 &all(initial),
             );
         }
@@ -397,7 +397,7 @@ impl Writer<'_> {
         }
         self.safety(
             "chooses_a_way",
-            "when its work on a part ends, the part waits for the next place, which its properties determine",
+            "when its work on a part ends, the part waits for the place that its properties determine",
             &all(works),
         );
         self.safety(
@@ -537,9 +537,9 @@ impl Writer<'_> {
         if let Some(end) = vars.end {
             let travels = matches!(model.shape.places[place].kind, PlaceKind::Conveyor { .. });
             self.end(end, &|part| model.first_is(place, part), if travels {
-                "the first part eventually reaches the end, and waits for the next place, which its properties determine"
+                "the first part eventually reaches the end, and waits for the place that its properties determine"
             } else {
-                "the first part waits for the next place, which its properties determine"
+                "the first part waits for the place that its properties determine"
             });
             let came = is(end, 0).not().or(model.empty(place));
             let text = if travels {

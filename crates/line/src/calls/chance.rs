@@ -1,4 +1,4 @@
-//! Determines whether chance guarantees that a route is taken again and again.
+//! Determines whether a route is taken again and again with probability 1.
 //!
 //! If several routes remain for parts of a type, the values of a part decide which one it takes.
 //! These values depend on chance and on what is left open here. A route is almost surely taken

@@ -1,7 +1,7 @@
 //! Properties that nothing depends on: no condition, range, time or controller reads them, not even
 //! indirectly.
 //!
-//! Such a property can take arbitrarily many values (such as a count of rework rounds), so its
+//! Such a property, for example a count of rework rounds, can take arbitrarily many values, so its
 //! values are not followed one by one. It suffices to show that they stay finite. The proof is by
 //! induction, in double-precision arithmetic: every change maps values within ±[`BOUND`] to values
 //! within ±[`BOUND`]. If the induction fails, the property is followed like the others.

@@ -32,8 +32,8 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Creates a part. `component` maps a type to the first component of this type that the part is
-    /// joined from.
+    /// Creates a part. Of the components that are joined into the part, `component` returns the first
+    /// one of a given type.
     pub(super) fn create(
         &mut self,
         line: &Line,

@@ -102,8 +102,9 @@ pub struct CertifiedLayer {
 
 /// A strategy as plain data.
 ///
-/// [`Encoding`](crate::symbolic::Encoding) defines the bits. The inputs and outputs of a step are
-/// next bits, also in step 0. Step 0 pursues no goal; step 1 pursues the first one.
+/// [`Encoding`](crate::symbolic::Encoding) defines the bits. In every step, the inputs and outputs
+/// are the *next* bits, even in step 0, which has no predecessor. No goal is pursued in step 0; the
+/// first goal is pursued from step 1 on.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StrategyFunctions {
     /// The nodes of all functions; without roots.

@@ -188,7 +188,7 @@ fn units(xml: &mut Xml, unit: &Unit) {
             };
             let exponents = known.exponents.iter().map(|(k, v)| (*k, (*v).to_owned()));
             let mut base: Attributes = exponents.collect();
-            #[expect(clippy::float_cmp, reason = "a factor of 1 is exact, and omitted")]
+            #[expect(clippy::float_cmp, reason = "only a factor of exactly 1 is omitted")]
             if known.factor != 1.0 {
                 base.push(("factor", number(known.factor)));
             }

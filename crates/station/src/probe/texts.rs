@@ -4,8 +4,8 @@ use super::Value;
 use super::infer::{Confidence, Fact, Slot};
 use crate::profile::Encoding;
 
-/// Infers the encoding of strings, and adds the fact about it. `value` is the offset of the value
-/// in an argument.
+/// Infers how strings are encoded, and adds the result to `facts`. `value` is the offset within an
+/// argument at which its value is stored.
 pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> Encoding {
     let texts: Vec<(&str, &[u8])> = slots
         .iter()

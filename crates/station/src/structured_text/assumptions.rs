@@ -6,10 +6,10 @@
 //! the step is refused, and the error names the first such assumption. For assumptions about two
 //! steps, the block stores inputs of the previous step.
 //!
-//! Every assumption can be expressed in the standard. An assumption whose condition would be longer
+//! Every assumption can be expressed in IEC 61131-3. An assumption whose condition would be longer
 //! than [`MAX_CONDITION_CHARS`](super::expression::MAX_CONDITION_CHARS) is not checked. Inputs that
-//! break it are then refused only if they have no transition, and the error does not name the
-//! assumption.
+//! break it are then refused only if the machine has no transition for them, and the error does not
+//! name the assumption.
 
 use super::Variable;
 use super::expression::Translator;

@@ -176,7 +176,7 @@ impl Toolchain {
         let mut toolchain = Self::like_gcc(Platform::Windows, FAST_TO_STEP);
         if matches!(kind, CrossCompiler::Zig | CrossCompiler::PythonZig) {
             // By default, zig adds traps for undefined behavior, and debug information with paths.
-            // Its linker records no time, and rejects the option that omits the time.
+            // Its linker writes no timestamp, and rejects the option that would suppress it.
             let quiet = ["-fno-sanitize=undefined", "-g0", "-s"];
             toolchain.flags.extend(quiet.map(str::to_owned));
             toolchain.linker = &[];

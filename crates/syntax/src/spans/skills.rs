@@ -1,4 +1,4 @@
-//! Removes places from the trees of skills and their orders.
+//! Removes the source positions from the syntax trees of skills and orders.
 
 use super::super::ast::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, SkillCalls, SkillItem, SkillSet,

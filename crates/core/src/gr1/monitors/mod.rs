@@ -358,7 +358,7 @@ impl Monitors {
     ) -> Expr {
         debug_assert!(
             !definition.mentions_next(),
-            "the update of a monitor has next values: {definition:?}"
+            "the update of a monitor must not refer to next values: {definition:?}"
         );
         debug_assert!(domain.contains(initial));
         let constant = Expr::Const(initial);

@@ -281,7 +281,7 @@ impl<'a> Builder<'a, '_> {
                 name.span,
                 format!("a part takes {period:e} s from place to place, which is not a valid duration"),
                 format!(
-                    "choose pitch and speed so that pitch/speed is {MIN_SECONDS:e} s to {MAX_SECONDS:e} s"
+                    "choose pitch and speed so that pitch/speed is between {MIN_SECONDS:e} s and {MAX_SECONDS:e} s"
                 ),
             );
             return None;
@@ -369,7 +369,7 @@ impl<'a> Builder<'a, '_> {
                     format!("`{word}` of the machine `{}` has no effect on a conveyor", machine.name),
                 )
                 .with_help(
-                    "a conveyor moves by one place every pitch/speed, draws the `power` given for the conveyor, and does not fail",
+                    "a conveyor advances one place every pitch/speed seconds, draws its `power`, and does not fail",
                 ),
             );
         }

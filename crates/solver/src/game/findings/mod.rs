@@ -35,12 +35,12 @@ pub struct EnvironmentFindings {
     pub cannot_start: bool,
     /// A valuation of step 0 after which the environment has no move.
     pub stuck_at_start: Option<PartialValuation>,
-    /// A valuation that can occur while both sides keep their safety, after which the environment
-    /// has no move.
+    /// A valuation that can occur while both sides satisfy their safety formulas, but after which
+    /// the environment has no move.
     pub dead_end: Option<PartialValuation>,
-    /// A valuation that can occur while both sides keep their safety, from which the machine can
-    /// keep its safety and force the environment to break an assumption; `None` if the
-    /// specification is well-separated.
+    /// A valuation that can occur while both sides satisfy their safety formulas, and from which the
+    /// machine can keep satisfying its own and force the environment to break an assumption; `None`
+    /// if the specification is well-separated.
     pub forced: Option<PartialValuation>,
     /// The number of valuations that can occur and from which the machine can force the environment
     /// to break an assumption, and the number of all valuations that can occur.
