@@ -295,3 +295,41 @@ fn nothing_begins_off_shift() {
     // A part that arrives in the last second is accepted.
     assert!(hours.iter().all(|h| (6.0..=14.0).contains(h)), "{hours:?}");
 }
+
+/// A join's place for a component is filled while the station works, is blocked, and off shift.
+#[test]
+fn components_come_at_any_time() {
+    let arrivals = |shift: Option<(f64, f64)>, out: f64| {
+        let mut builder = Builder::new(&["C", "J"]);
+        builder
+            .bill("J", &[("C", 1)])
+            .source("c", "C", every(1.0, None))
+            .station("cell", &["J"], constant(10.0))
+            .station("next", &["J"], constant(out))
+            .sink("sink")
+            .route("C", &["c", "cell"])
+            .route("J", &["cell", "next", "sink"]);
+        if let Some((from, to)) = shift {
+            builder.shift(from, to);
+        }
+        let cell = builder.node("cell");
+        let trace = builder.run_until(100.0);
+        let here = trace.log.iter().filter(|e| e.node == cell);
+        let times = |what| -> Vec<f64> {
+            let here = here.clone().filter(|e| e.what == what);
+            here.map(|e| e.time).collect()
+        };
+        [times(EventKind::Arrived), times(EventKind::Started)]
+    };
+    // The second component comes while the first part is made, and no third one with it.
+    let [arrived, started] = arrivals(None, 1.0);
+    assert_eq!(started[..2], [0.0, 10.0]);
+    assert_eq!(arrived[..3], [0.0, 1.0, 10.0]);
+    // Blocked from 20 to 60.
+    let [arrived, started] = arrivals(None, 50.0);
+    assert_eq!(started[..3], [0.0, 10.0, 60.0]);
+    assert_eq!(arrived[..4], [0.0, 1.0, 10.0, 60.0]);
+    let [arrived, started] = arrivals(Some((40.0, 90.0)), 1.0);
+    assert_eq!(arrived[0], 0.0);
+    assert_eq!(started[0], 40.0);
+}
