@@ -32,8 +32,8 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Creates a part. Of the components that are joined into the part, `component` returns the first
-    /// one of a given type.
+    /// Creates a part. Of the components that are joined into it, `component` returns the first one
+    /// of a given type.
     pub(super) fn create(
         &mut self,
         line: &Line,

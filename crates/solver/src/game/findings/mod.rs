@@ -38,9 +38,9 @@ pub struct EnvironmentFindings {
     /// A valuation that can occur while both sides satisfy their safety formulas, but after which
     /// the environment has no move.
     pub dead_end: Option<PartialValuation>,
-    /// A valuation that can occur while both sides satisfy their safety formulas, and from which the
-    /// machine can keep satisfying its own and force the environment to break an assumption; `None`
-    /// if the specification is well-separated.
+    /// A valuation that can occur while both sides satisfy their safety formulas, and from which
+    /// the machine can keep satisfying its own and force the environment to break an assumption;
+    /// `None` if the specification is well-separated.
     pub forced: Option<PartialValuation>,
     /// The number of valuations that can occur and from which the machine can force the environment
     /// to break an assumption, and the number of all valuations that can occur.
