@@ -26,8 +26,8 @@ pub fn guard_values(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<Values>> {
     cubes
 }
 
-/// Formats the disjunction of some guards, with cubes merged where possible: for each cube, the list
-/// of its tests. An empty list means that the cube is always true.
+/// Formats the disjunction of some guards, with cubes merged where possible: for each cube, the
+/// list of its tests. An empty list means that the cube is always true.
 pub fn guard_parts(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<String>> {
     let cubes = guard_values(machine, guards);
     let show = |cube: Vec<Values>| -> Vec<String> {

@@ -233,8 +233,8 @@ impl WalkBuilder {
     /// Computes the successors of all waiting places.
     fn walk(&mut self) -> Option<()> {
         while let Some((place, undecided)) = self.waiting.pop() {
-            // Only decided bits can be tested. The first undecided bit depends on decided bits only,
-            // so there is always a bit to test.
+            // Only decided bits can be tested. The first undecided bit depends on decided bits
+            // only, so there is always a bit to test.
             let testable = undecided
                 .iter()
                 .filter_map(|(_, edge)| self.top(*edge))

@@ -118,8 +118,8 @@ impl Names {
     }
 }
 
-/// Makes text safe for a comment: the result neither ends the comment nor opens another. It contains
-/// no braces (some systems read them as directives), no characters that XML forbids, and no
+/// Makes text safe for a comment: the result neither ends the comment nor opens another. It
+/// contains no braces (some systems read them as directives), no characters that XML forbids, and no
 /// characters that change the reading direction.
 pub(crate) fn comment(text: &str) -> String {
     let hidden = |c: char| {
