@@ -119,8 +119,8 @@ impl Names {
 }
 
 /// Makes text safe for a comment: the result neither ends the comment nor opens another. It
-/// contains no braces (some systems read them as directives), no characters that XML forbids, and no
-/// characters that change the reading direction.
+/// contains no braces (some systems read them as directives), no characters that XML forbids, and
+/// no characters that change the reading direction.
 pub(crate) fn comment(text: &str) -> String {
     let hidden = |c: char| {
         let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
