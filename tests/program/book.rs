@@ -272,7 +272,25 @@ fn the_documents_are_up_to_date() {
             text.push_str(&table_of_values(&definition));
         }
     }
-    is_up_to_date("json.md", &text);
+    is_up_to_date("json.md", &without_ambiguous_links(&text));
+}
+
+/// Removes links to headings that several types, or a type and a document, share.
+fn without_ambiguous_links(text: &str) -> String {
+    let mut headings: BTreeMap<String, usize> = BTreeMap::new();
+    for line in text.lines().filter(|line| line.starts_with('#')) {
+        let name = line.trim_start_matches('#').trim().trim_matches('`');
+        *headings.entry(name.to_lowercase()).or_default() += 1;
+    }
+    let mut text = text.to_owned();
+    for (anchor, _) in headings.into_iter().filter(|(_, count)| *count > 1) {
+        while let Some(end) = text.find(&format!("`](#{anchor})")) {
+            let start = text[..end].rfind("[`").expect("the link's beginning");
+            text.replace_range(end + 1..end + anchor.len() + 5, "");
+            text.remove(start);
+        }
+    }
+    text
 }
 
 /// The description of a schema in one line of a table.

@@ -137,7 +137,7 @@ impl<'s> Game<'s> {
             ..
         } = &mut game.specification;
         for component in &system.components {
-            extend(guarantees, &component.assumptions);
+            guarantees.append(&component.assumptions);
             let guaranteed = component.guarantees.justice.iter().cloned();
             assumptions.justice.extend(guaranteed);
         }
@@ -227,7 +227,7 @@ fn environment_first(system: &System) -> Specification {
         answered.and(Expr::Var(violated_before, time).or(with_copies(&defined, kind, &named)))
     });
     for side in definitions().chain([&rules]) {
-        extend(&mut game.specification.assumptions, side);
+        game.specification.assumptions.append(side);
     }
     game.specification
 }
@@ -277,7 +277,7 @@ fn environment_last(system: &System) -> Specification {
             FormulaKind::Justice => f.expr.clone().or(Expr::now(violated)),
             _ => Expr::Var(violated_before, last_step(kind)).or(f.expr.clone()),
         });
-        extend(&mut game.specification.guarantees, &rules);
+        game.specification.guarantees.append(&rules);
     }
     for kind in FormulaKind::ALL {
         let defining = definitions.iter().flat_map(|side| side.list(kind));
@@ -305,12 +305,6 @@ fn with_copies(expr: &Expr, kind: FormulaKind, copies: &BTreeMap<VarId, VarId>) 
         let copy = copies.get(&v).filter(|_| time == last_step(kind));
         Expr::Var(copy.copied().unwrap_or(v), time)
     })
-}
-
-fn extend(side: &mut Side, more: &Side) {
-    for kind in FormulaKind::ALL {
-        side.list_mut(kind).extend(more.list(kind).iter().cloned());
-    }
 }
 
 /// Creates a formula of the game that is not a formula of a contract.

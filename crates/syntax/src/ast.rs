@@ -7,6 +7,7 @@ pub use skills::{
     SkillComponent, SkillItem, SkillSet, Times,
 };
 
+use super::binds;
 use linewright_core::source::Span;
 
 /// A word and its place.
@@ -512,22 +513,10 @@ impl BinaryOp {
         }
     }
 
-    /// Returns whether the operands are conditions, and never numbers.
+    /// Returns whether the operands are conditions, and never numbers. These operators bind more
+    /// weakly than comparisons.
     pub fn is_logical(self) -> bool {
-        match self {
-            Self::Iff | Self::Implies | Self::Or | Self::Xor | Self::And => true,
-            Self::Eq
-            | Self::Ne
-            | Self::Lt
-            | Self::Le
-            | Self::Gt
-            | Self::Ge
-            | Self::Add
-            | Self::Sub
-            | Self::Mul
-            | Self::Div
-            | Self::Mod => false,
-        }
+        binds::of(self) < binds::COMPARISON
     }
 }
 

@@ -131,12 +131,7 @@ fn composition_contract(printer: ProofPrinter<'_>, proof: &Proof) -> Specificati
                 .list(at.kind)
                 .contains(&formula)
         );
-        match at.kind {
-            FormulaKind::Initial => assumptions.initial.push(formula),
-            FormulaKind::Invariant => assumptions.invariants.push(formula),
-            FormulaKind::Safety => assumptions.safety.push(formula),
-            FormulaKind::Justice => assumptions.justice.push(formula),
-        }
+        assumptions.list_mut(at.kind).push(formula);
     }
     let mut guarantees = Side::default();
     for side in system
@@ -144,12 +139,7 @@ fn composition_contract(printer: ProofPrinter<'_>, proof: &Proof) -> Specificati
         .iter()
         .flat_map(|p| [&p.guarantees, &p.definitions])
     {
-        guarantees.initial.extend(side.initial.iter().cloned());
-        guarantees
-            .invariants
-            .extend(side.invariants.iter().cloned());
-        guarantees.safety.extend(side.safety.iter().cloned());
-        guarantees.justice.extend(side.justice.iter().cloned());
+        guarantees.append(side);
     }
     let variables = system.variables.iter().enumerate().map(|(i, v)| Variable {
         owner: match system.driver(VarId(i as u32)) {

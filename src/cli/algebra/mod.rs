@@ -162,7 +162,7 @@ pub struct MergeArguments {
     linewright quotient std.handling.turn std.handling.turn
 
 The quotient is the weakest contract that, composed with EXISTING, refines WHOLE. The command checks that the composition does so. \
-Contracts count as sets of infinite runs here, so the quotient may refuse a component that `compose` accepts because it reasons step by step.")]
+Here, a contract is a set of infinite runs. `compose` reasons step by step, so it can accept a component that does not refine the quotient.")]
 pub struct QuotientArguments {
     /// Contract that EXISTING and the missing component must satisfy together
     #[arg(value_name = "WHOLE")]

@@ -200,6 +200,13 @@ fn refine_by_composition(joined: &Joined, options: &GlobalOptions) -> Result<Out
         .components
         .split_first()
         .expect("two operands");
+    if lacks_environment(&joined.system, 0, &options.limits())? {
+        return Ok(Outcome {
+            document: document(joined, true, Semantics::Runs),
+            text: format!("Every contract refines `{}`.\n{RUNS}", whole.name),
+            findings: vec![vacuous(&format!("`{}`", whole.name), Some(joined.spans[0]))],
+        });
+    }
     let mut system = System {
         variables: joined.system.variables.clone(),
         components: parts.to_vec(),
@@ -225,13 +232,6 @@ fn refine_by_composition(joined: &Joined, options: &GlobalOptions) -> Result<Out
         exports: Exports::Never,
         ..Claim::default()
     };
-    if lacks_environment(&joined.system, 0, &options.limits())? {
-        return Ok(Outcome {
-            document: document(joined, true, Semantics::Runs),
-            text: format!("Every contract refines `{}`.\n{RUNS}", whole.name),
-            findings: vec![vacuous(&format!("`{}`", whole.name), Some(joined.spans[0]))],
-        });
-    }
     let proof = prove(&system, &claim, &options.limits())?;
     let printer = ProofPrinter {
         system: &system,

@@ -5,7 +5,7 @@ use linewright::algebra::proof::{Claim, Discharge, DischargeRule, Exports, Proof
 use linewright::algebra::replay;
 use linewright::algebra::system::{ContractSide, FormulaRef, System};
 use linewright::game::Limits;
-use linewright::gr1::{Formula, FormulaKind, Side};
+use linewright::gr1::{FormulaKind, Side};
 
 /// Every line of a table: what it names suffices, and without any single item the proof fails, with
 /// a counterexample that the evaluator accepts. Returns the numbers of lines and of mutants.
@@ -50,7 +50,7 @@ fn alone(
         let mut picked = Side::default();
         for (kind, index, formula) in side.formulas() {
             if keep(kind, index) {
-                add(&mut picked, kind, formula.clone());
+                picked.list_mut(kind).push(formula.clone());
             }
         }
         picked
@@ -79,11 +79,8 @@ fn alone(
         .iter()
         .filter(|n| n.component.is_some() == (n.half == ContractSide::Assumptions))
     {
-        add(
-            &mut given,
-            name.kind,
-            replay::formula(system, claim, *name).clone(),
-        );
+        let formula = replay::formula(system, claim, *name);
+        given.list_mut(name.kind).push(formula.clone());
     }
     let goal = pick(&claim.goal, &|k, n| {
         discharge.what == at(None, ContractSide::Guarantees, k, n)
@@ -101,13 +98,4 @@ fn alone(
             ..Claim::default()
         },
     )
-}
-
-fn add(side: &mut Side, kind: FormulaKind, formula: Formula) {
-    match kind {
-        FormulaKind::Initial => side.initial.push(formula),
-        FormulaKind::Invariant => side.invariants.push(formula),
-        FormulaKind::Safety => side.safety.push(formula),
-        FormulaKind::Justice => side.justice.push(formula),
-    }
 }

@@ -115,12 +115,7 @@ impl Composed {
         for discharge in &proof.discharges {
             if discharge.rule == DischargeRule::Exported {
                 let formula = replay::formula(system, claim, discharge.what).clone();
-                match discharge.what.kind {
-                    FormulaKind::Initial => handed_on.initial.push(formula),
-                    FormulaKind::Invariant => handed_on.invariants.push(formula),
-                    FormulaKind::Safety => handed_on.safety.push(formula),
-                    FormulaKind::Justice => handed_on.justice.push(formula),
-                }
+                handed_on.list_mut(discharge.what.kind).push(formula);
             }
         }
         let everything = board.everything();

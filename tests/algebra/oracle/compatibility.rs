@@ -40,10 +40,7 @@ struct Swapped {
 fn together<'a>(sides: impl Iterator<Item = &'a Side>) -> Side {
     let mut all = Side::default();
     for side in sides {
-        all.initial.extend(side.initial.iter().cloned());
-        all.invariants.extend(side.invariants.iter().cloned());
-        all.safety.extend(side.safety.iter().cloned());
-        all.justice.extend(side.justice.iter().cloned());
+        all.append(side);
     }
     all
 }

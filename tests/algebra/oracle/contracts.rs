@@ -182,10 +182,7 @@ pub fn weaker(r: &mut Random, variables: &[Variable], of: &Side) -> Side {
 pub fn stronger(r: &mut Random, variables: &[Variable], of: &Side) -> Side {
     let mut side = of.clone();
     let more = self::side(r, variables, &ASSUMED);
-    side.initial.extend(more.initial);
-    side.invariants.extend(more.invariants);
-    side.safety.extend(more.safety);
-    side.justice.extend(more.justice);
+    side.append(&more);
     side
 }
 

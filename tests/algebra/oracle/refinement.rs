@@ -37,12 +37,7 @@ fn only(question: &Question, refs: &[FormulaRef]) -> Side {
     let mut side = Side::default();
     for at in refs {
         let formula = replay::formula(&question.system, &question.claim, *at).clone();
-        match at.kind {
-            FormulaKind::Initial => side.initial.push(formula),
-            FormulaKind::Invariant => side.invariants.push(formula),
-            FormulaKind::Safety => side.safety.push(formula),
-            FormulaKind::Justice => side.justice.push(formula),
-        }
+        side.list_mut(at.kind).push(formula);
     }
     side
 }

@@ -31,15 +31,6 @@ fn domain(r: &mut Random, wide: bool) -> Domain {
     }
 }
 
-fn push(side: &mut Side, kind: FormulaKind, formula: Formula) {
-    match kind {
-        FormulaKind::Initial => side.initial.push(formula),
-        FormulaKind::Invariant => side.invariants.push(formula),
-        FormulaKind::Safety => side.safety.push(formula),
-        FormulaKind::Justice => side.justice.push(formula),
-    }
-}
-
 /// A formula of this kind mentions values of the last step only from `latest`, all others from
 /// everywhere.
 fn written(r: &mut Random, variables: &[Variable], kind: FormulaKind, latest: &[VarId]) -> Expr {
@@ -112,11 +103,8 @@ fn guarantees(
             written(r, variables, kind, &latest)
         };
         let place = side.list(kind).len();
-        push(
-            &mut side,
-            kind,
-            formula(format!("{name} guarantees {kind:?} {place}"), expr),
-        );
+        side.list_mut(kind)
+            .push(formula(format!("{name} guarantees {kind:?} {place}"), expr));
     }
     side
 }
@@ -171,7 +159,7 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
         };
         let place = side.list(kind).len();
         let name = format!("{} assumes {kind:?} {place}", system.components[part].name);
-        push(&mut side, kind, formula(name, expr));
+        side.list_mut(kind).push(formula(name, expr));
     }
     side
 }

@@ -25,10 +25,7 @@ pub fn satisfiable(spec: &Specification) -> bool {
         variable.owner = Owner::System;
     }
     let (a, g) = (std::mem::take(&mut one.assumptions), &mut one.guarantees);
-    g.initial.extend(a.initial);
-    g.invariants.extend(a.invariants);
-    g.safety.extend(a.safety);
-    g.justice.extend(a.justice);
+    g.append(&a);
     realizable(&one)
 }
 

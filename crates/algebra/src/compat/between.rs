@@ -1,9 +1,10 @@
 //! The game in which Moore machines answer before the environment, and Mealy machines after it.
 //!
-//! A GR(1) game has two moves per step, and this game has three. But the last move of a step and
-//! the first move of the next step are both made by components. So a late answer (of a Mealy
-//! machine) is revealed one step later, together with the next early answer (of a Moore machine).
-//! Conditions on a step are therefore checked one step later, with copies of its early values.
+//! A GR(1) game has two moves per step, and this game has three: the early answers (of the Moore
+//! machines), the inputs, and the late answers (of the Mealy machines). The late answers of a step
+//! and the early answers of the next step are both made by components, so they are merged into one
+//! move. The values of a step are therefore complete only one step later. Conditions on the step are
+//! checked then, with copies of its early values and inputs.
 
 use super::{Game, auxiliary, of_last_step};
 use crate::proof::last_step;

@@ -262,6 +262,13 @@ impl Side {
         }
     }
 
+    /// Adds the formulas of another side to the lists of this one.
+    pub fn append(&mut self, more: &Self) {
+        for kind in FormulaKind::ALL {
+            self.list_mut(kind).extend_from_slice(more.list(kind));
+        }
+    }
+
     /// Returns all formulas with their kinds and their indices in the list of that kind.
     pub fn formulas(&self) -> impl Iterator<Item = (FormulaKind, usize, &Formula)> {
         FormulaKind::ALL.into_iter().flat_map(|kind| {

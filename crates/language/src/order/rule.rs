@@ -14,7 +14,7 @@ use linewright_automata::regex::{self, Regex};
 use linewright_core::deadline::Deadline;
 use std::hash::Hash;
 
-/// Letters over which the rules of a skill set are automata.
+/// Alphabet of the automata for the rules of a skill set.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Alphabet {
     /// Number of skills.

@@ -100,7 +100,7 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
             }
         };
         let text = format!(
-            "a part that arrives at {name} is in {name}, and leaves it only for one other place"
+            "a part that arrives at {name} stays there until it moves to exactly one other place"
         );
         push(&mut goal.safety, NO_PART_LOST, text, kept(model, place));
         let text = format!("{name} takes only parts that it has room for");

@@ -520,7 +520,7 @@ impl Writer<'_> {
                 .and(came.not().and(Expr::now(open)).implies(Expr::next(open)));
             self.safety(
                 "clears_its_first_place",
-                "its first place is occupied for some time by each part that comes on, and then free until the next one",
+                "each part that enters occupies the first place for some time; then the place is free until the next part enters",
                 &rule,
             );
             self.justice(

@@ -7,10 +7,10 @@
 //! 2002) up to `n² + 3n`. The search is sound here because leaving out a guarantee never makes a
 //! specification unrealizable.
 //!
-//! Leaving out assumptions keeps an unrealizable specification unrealizable. An assumption matters
-//! if, without it, a proper subset of the core would already clash. So the assumptions that matter
-//! are a minimal set under which the core is still minimal. The same search finds them. Each of its
-//! tests solves up to `k` games, one for each guarantee of the core that is omitted.
+//! Without some of its assumptions, the core still clashes, but it may no longer be minimal: a proper
+//! subset of it may clash, too. The assumptions that matter are a minimal set of assumptions with
+//! which the core remains minimal. The same search finds them. Each of its tests solves up to `k`
+//! games, where `k` is the number of guarantees in the core; each game omits one of them.
 
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};

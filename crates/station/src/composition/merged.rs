@@ -13,7 +13,7 @@
 
 use super::{Composition, Discharger};
 use linewright_core::gr1::{
-    Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
+    Domain, Expr, Formula, FormulaKind, Owner, Side, Specification, Timing, VarId, Variable,
 };
 use linewright_language::contract::machine::{Component, Machine, PlantSource, Role};
 use linewright_solver::mealy::{self, Cube, Guard, Test, Transition};
@@ -101,10 +101,9 @@ fn component(components: &[Component], domain: &Domain) -> Component {
                 });
                 moved.collect()
             };
-            to.initial.extend(moved(&from.initial));
-            to.invariants.extend(moved(&from.invariants));
-            to.safety.extend(moved(&from.safety));
-            to.justice.extend(moved(&from.justice));
+            for kind in FormulaKind::ALL {
+                to.list_mut(kind).extend(moved(from.list(kind)));
+            }
         }
     }
     // An additional input, bound to the wire of the running operation.

@@ -6,8 +6,8 @@ pub(super) struct Definition {
     pub factor: f64,
 }
 
-/// Returns the definition of a unit of the language; `None` for an unknown unit, which the
-/// description names without a definition.
+/// Returns the FMI definition of a unit of measurement; `None` if the unit is unknown. The model
+/// description then contains only its name.
 pub(super) fn definition(unit: &str) -> Option<Definition> {
     const TIME: &[(&str, &str)] = &[("s", "1")];
     const LENGTH: &[(&str, &str)] = &[("m", "1")];

@@ -16,7 +16,8 @@
 //! Mealy and Moore machines alike. The machine has no choice of its value, so monitors do not
 //! change who wins a game.
 //!
-//! Before step 0 nothing was true: `previous` and `once` begin as false, `historically` as true.
+//! There are no steps before step 0. Therefore `previous` and `once` begin as false, and
+//! `historically` begins as true.
 //!
 //! # Cost
 //!

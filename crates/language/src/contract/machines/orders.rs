@@ -263,11 +263,11 @@ fn add_rules(
                 .initial
                 .retain(|f| !is_never(&violation(f), specification));
         }
-        extend(&mut specification.guarantees, lowered.definitions);
-        extend(side(specification, party), lowered.rule);
+        specification.guarantees.append(&lowered.definitions);
+        side(specification, party).append(&lowered.rule);
     }
     for pair in at_once(&orders.skills, when, specification) {
-        extend(side(specification, party), pair);
+        side(specification, party).append(&pair);
     }
     Ok(())
 }
@@ -277,11 +277,6 @@ fn side(specification: &mut Specification, party: Party) -> &mut Side {
         Party::Machine => &mut specification.guarantees,
         Party::Plant => &mut specification.assumptions,
     }
-}
-
-fn extend(side: &mut Side, more: Side) {
-    side.initial.extend(more.initial);
-    side.safety.extend(more.safety);
 }
 
 /// Returns formulas that forbid calling two skills of the same component at once. Pairs whose
