@@ -341,6 +341,59 @@ moore contract Robot {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
+/// `B` can never keep its guarantee, but it answers after the environment, which has to keep the
+/// assumption first. A `moore` contract that has nothing to do with it changes nothing.
+#[test]
+fn an_unrelated_contract_does_not_excuse_the_environment() {
+    let unrelated = "
+moore contract A {
+    input t: bool
+    output a: bool
+    guarantee always (t -> next a)
+}
+";
+    let impossible = "
+contract B {
+    input y: bool
+    output b: bool
+    assume always (y and not y)
+    guarantee always (b and not b)
+}
+";
+    let stuck_later = "
+moore contract A0 {
+    input t: bool
+    output a0: bool
+    guarantee always eventually a0
+}
+contract B {
+    input y: bool
+    output b: bool
+    assume y
+    assume always (b -> next y and not next y)
+    guarantee b
+    guarantee always (b -> next b and not next b)
+}
+";
+    for (text, contracts) in [
+        (impossible, &["B"][..]),
+        (impossible, &["A", "B"]),
+        (stuck_later, &["A", "A0", "B"]),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("own.lw");
+        fs::write(path, format!("{unrelated}{text}")).expect("a file");
+        let named = contracts.iter().map(|name| format!("own.lw::{name}"));
+        let named: Vec<String> = named.collect();
+        let arguments = ["compat", "--format", "json"].into_iter();
+        let arguments: Vec<&str> = arguments.chain(named.iter().map(String::as_str)).collect();
+        let output = linewright(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(1), "{contracts:?}: {output:?}");
+        let document = document(&output);
+        assert_eq!(document["verdict"], "incompatible", "{contracts:?}");
+    }
+}
+
 /// The outside sees `y` before it answers, and copies it. A promise that `x` holds again and again
 /// restricts no single step.
 #[test]

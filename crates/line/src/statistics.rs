@@ -144,7 +144,8 @@ pub(super) fn student_t(degrees: u64) -> f64 {
         1..=30 => TABLE[degrees as usize - 1],
         _ => {
             // The Cornish-Fisher expansion of Student's t quantile around the normal quantile
-            // (Abramowitz and Stegun 26.7.5). With 31 degrees of freedom, its error is less than 2e-6.
+            // (Abramowitz and Stegun 26.7.5). With 31 degrees of freedom, its error is less than
+            // 2e-6.
             let z: f64 = 1.959_963_985;
             let n = degrees as f64;
             let first = (z.powi(3) + z) / 4.0;

@@ -3,9 +3,9 @@
 //! The outside plays: it sets what no part sets, must keep all assumptions for as long as the parts
 //! keep their guarantees, and must meet the justice of the assumptions whenever that of the
 //! guarantees is met. If machines see the inputs of the step that they answer, the outside moves
-//! first. If all parts answer first, the outside sees their answer; an answer is allowed if some
-//! outside values make it legal, and with other values the outside leaves the parts with a broken
-//! promise.
+//! first. Moore machines answer before it, and it sees their answer. The answer is allowed if it
+//! keeps the guarantees of the Moore machines together with some values of everything else; with
+//! other values the outside leaves the parts with a broken promise.
 
 use super::contracts::{self, formula};
 use super::graph::{Board, Relation, Set, Steps, members};
@@ -26,8 +26,10 @@ struct Swapped {
     sees: bool,
     /// Whether the outside may leave the parts no legal answer.
     corners: bool,
-    /// The parts' moves, and the obligations of the outside.
+    /// The parts' moves, those that only the Moore machines' guarantees restrict, and the
+    /// obligations of the outside.
     parts: Steps,
+    early: Steps,
     outside: Steps,
     owed: Vec<Relation>,
     goals: Vec<Relation>,
@@ -66,6 +68,9 @@ impl Swapped {
     fn new(system: &System, assumptions: &Side) -> Self {
         let board = Board::new(&system.variables);
         let guarantees = together(system.components.iter().map(|p| &p.guarantees));
+        let first = system.components.iter();
+        let first = first.filter(|p| p.timing == Timing::Moore);
+        let early = together(first.map(|p| &p.guarantees));
         let own = |v: &VarId| system.driver(*v).is_some();
         let moore = |v: &VarId| {
             let driver = system.driver(*v);
@@ -99,6 +104,7 @@ impl Swapped {
         };
         Self {
             parts: board.steps([&guarantees]),
+            early: board.steps([&early]),
             outside: board.steps([assumptions]),
             owed: or_true(board.relations(&guarantees.justice)),
             goals: or_true(board.relations(&assumptions.justice)),
@@ -112,19 +118,19 @@ impl Swapped {
 
     /// Whether the outside can reach one of `kept` that is also in `good`, after whatever the Moore
     /// machines set and whichever of `legal` the others then choose.
-    fn controls(&self, legal: Set, kept: Set, good: Set) -> bool {
+    fn controls(&self, moves: &Moves, good: Set) -> bool {
         let mut answers = self.of_moore.iter();
-        answers.all(|y| self.answers(*y, legal, kept, good))
+        answers.all(|y| self.answers(*y, moves, good))
     }
 
     /// The same after `y`. If it leaves the parts no way to keep their promise, any of `kept` is
     /// sufficient: it must not violate an assumption itself.
-    fn answers(&self, y: Set, legal: Set, kept: Set, good: Set) -> bool {
-        let mut moves = self.from_outside.iter().map(|x| x & y);
-        self.sees && y & legal == 0
-            || moves.any(|x| match x & legal {
-                0 => self.corners && x & kept != 0,
-                answers => answers & !(kept & good) == 0,
+    fn answers(&self, y: Set, moves: &Moves, good: Set) -> bool {
+        let mut choices = self.from_outside.iter().map(|x| x & y);
+        self.sees && y & moves.early == 0
+            || choices.any(|x| match x & moves.legal {
+                0 => self.corners && x & moves.kept != 0,
+                answers => answers & !(moves.kept & good) == 0,
             })
     }
 
@@ -133,7 +139,7 @@ impl Swapped {
         let all = self.board.everything();
         let before = |target: &dyn Fn(usize) -> Set| {
             members(all)
-                .filter(|s| self.controls(self.parts.step[*s], self.outside.step[*s], target(*s)))
+                .filter(|s| self.controls(&self.moves(Some(*s)), target(*s)))
                 .fold(0, |set: Set, s| set | 1 << s)
         };
         let mut z = all;
@@ -169,16 +175,25 @@ impl Swapped {
     }
 
     fn won(&self) -> bool {
-        self.controls(self.parts.start, self.outside.start, self.winning())
+        self.controls(&self.moves(None), self.winning())
     }
 
-    /// Possible steps of the parts, and of the outside, after a state or at the beginning.
-    fn moves(&self, after: Option<usize>) -> (Set, Set) {
-        match after {
-            None => (self.parts.start, self.outside.start),
-            Some(s) => (self.parts.step[s], self.outside.step[s]),
+    /// Possible steps after a state, or at the beginning.
+    fn moves(&self, after: Option<usize>) -> Moves {
+        let of = |steps: &Steps| after.map_or(steps.start, |s| steps.step[s]);
+        Moves {
+            early: of(&self.early),
+            legal: of(&self.parts),
+            kept: of(&self.outside),
         }
     }
+}
+
+/// Valuations that keep the Moore machines' guarantees, all guarantees, and the assumptions.
+struct Moves {
+    early: Set,
+    legal: Set,
+    kept: Set,
 }
 
 /// A finite play: everything is kept before the last step; then, whatever the outside does, the
@@ -187,18 +202,19 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
     let states: Vec<usize> = steps.iter().map(|s| game.board.number(s)).collect();
     let mut before = None;
     for (i, state) in states.iter().enumerate() {
-        let (legal, kept) = game.moves(before);
+        let moves = game.moves(before);
+        let Moves { early, legal, kept } = moves;
         if i + 1 < states.len() {
             assert!((legal & kept) >> state & 1 == 1, "step {i} of {steps:?}");
         } else {
             // The Moore machines' values are given; no outside values are compatible.
             let same = game.of_moore.iter().find(|y| *y >> state & 1 == 1);
             let same = *same.expect("a group");
-            assert!(!game.sees || same & legal != 0, "{steps:?}");
+            assert!(!game.sees || same & early != 0, "{steps:?}");
             let everything = game.board.everything();
-            assert!(!game.answers(same, legal, kept, everything), "{steps:?}");
-            let moves = game.from_outside.iter().map(|x| x & same);
-            let own = moves.into_iter().find(|x| x >> state & 1 == 1);
+            assert!(!game.answers(same, &moves, everything), "{steps:?}");
+            let mut choices = game.from_outside.iter().map(|x| x & same);
+            let own = choices.find(|x| x >> state & 1 == 1);
             let is_cornered = own.expect("a group") & legal == 0;
             assert!(
                 is_cornered || (legal & !kept) >> state & 1 == 1,
@@ -278,6 +294,58 @@ fn environments_exist_where_the_swapped_game_is_won() {
     let systems = SYSTEMS as u32;
     assert!(can * 5 >= systems && cannot * 5 >= systems && sees * 10 >= systems);
     assert!(traces >= 100 && cycles >= 50 && several >= 20);
+}
+
+/// A Moore machine that shares no variable with the others, and can always answer, changes no
+/// verdict: neither among Mealy machines, which otherwise all answer after the environment, nor
+/// among others.
+#[test]
+fn unrelated_moore_machines_change_no_verdict() {
+    let limits = Limits::default();
+    let (mut can, mut cannot, mut stuck) = (0, 0, 0);
+    for seed in 90_000..92_000 {
+        let mut r = Random::new(seed);
+        let plan = Plan {
+            parts: 1 + r.below(2),
+            outside: 1 + r.below(2),
+            moore: 20,
+            derived: 25,
+            demanding: r.chance(90),
+            sees: 40,
+        };
+        let mut system = wired::system(&mut r, &plan, &|_, _| ());
+        let alone = compatible(&system, &limits).expect("no limit");
+        let own = VarId(system.variables.len() as u32);
+        let domains = system.variables.iter().map(|v| v.domain.clone());
+        let domains: Vec<Domain> = domains.chain([Domain::Bool]).collect();
+        system.variables = contracts::named(&domains);
+        let turns = Expr::next(own).equals(Expr::now(own).not());
+        system.components.push(Component {
+            name: "Unrelated".to_owned(),
+            timing: Timing::Moore,
+            drives: vec![own],
+            assumptions: Side::default(),
+            guarantees: Side {
+                initial: vec![formula("off".to_owned(), Expr::now(own).not())],
+                safety: vec![formula("turns".to_owned(), turns)],
+                justice: vec![formula("on".to_owned(), Expr::now(own))],
+                ..Side::default()
+            },
+            definitions: Side::default(),
+        });
+        let joined = compatible(&system, &limits).expect("no limit");
+        match (&alone, &joined) {
+            (Compatibility::Compatible, Compatibility::Compatible) => can += 1,
+            (Compatibility::Incompatible { .. }, Compatibility::Incompatible { .. }) => cannot += 1,
+            _ => panic!("seed {seed}: {alone:?} alone, then {joined:?}: {system:#?}"),
+        }
+        let guarantees = together(system.components.iter().map(|p| &p.guarantees));
+        let board = Board::new(&system.variables);
+        let steps = board.steps([&guarantees]);
+        stuck += u32::from(steps.start == 0 || steps.step.contains(&0));
+    }
+    println!("{can} compatible, {cannot} not; in {stuck} the parts can be without an answer");
+    assert!(can >= 400 && cannot >= 400 && stuck >= 400);
 }
 
 /// A code that a variable's bits allow but its domain does not is no answer: `y` has three values

@@ -19,7 +19,7 @@ pub fn variables(r: &mut Random) -> (Vec<Variable>, usize) {
 
 /// Variables of these domains.
 pub fn named(domains: &[Domain]) -> Vec<Variable> {
-    let all = domains.iter().zip(["x", "y", "z", "u"]);
+    let all = domains.iter().zip(["x", "y", "z", "u", "v"]);
     all.map(|(d, name)| variable(name, d.clone())).collect()
 }
 

@@ -3,8 +3,12 @@
 //! A GR(1) game has two moves per step, and this game has three: the early answers (of the Moore
 //! machines), the inputs, and the late answers (of the Mealy machines). The late answers of a step
 //! and the early answers of the next step are both made by components, so they are merged into one
-//! move. The values of a step are therefore complete only one step later. Conditions on the step are
-//! checked then, with copies of its early values and inputs.
+//! move. The values of a step are therefore complete only one step later. Conditions on the step
+//! are checked then, with copies of its early values and inputs.
+//!
+//! Whoever leaves itself no allowed move has lost. The Moore machines lose before the environment
+//! moves if their early answer breaks their own guarantees, whatever the others do. The Mealy
+//! machines lose only after the environment's move, which therefore has to keep the assumptions.
 
 use super::{Game, auxiliary, of_last_step};
 use crate::proof::last_step;
@@ -64,6 +68,11 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Mealy, |v| !driven(v));
     let guaranteed = || system.components.iter().map(|p| &p.guarantees);
+    let moore = || {
+        let early = system.components.iter();
+        let early = early.filter(|p| p.timing == Timing::Moore);
+        early.map(|p| &p.guarantees)
+    };
     let assumed = || system.components.iter().map(|p| &p.assumptions);
     let defining = || system.components.iter().map(|p| &p.definitions);
 
@@ -76,7 +85,7 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
     let past = game.copies(earlier, Owner::Environment);
     let delay = Delay { late, first, past };
 
-    let named = guaranteed().chain(defining()).flat_map(of_last_step);
+    let named = moore().chain(defining()).flat_map(of_last_step);
     let named = named.filter(|v| late(v) || !driven(v)).collect();
     let allowed = game.copies(named, Owner::Environment);
     let answers = assumed().chain(defining()).flat_map(of_last_step);
@@ -85,9 +94,10 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
 
     let none = BTreeMap::new();
     let kept = delay.all(guaranteed(), &none);
-    // The components also lose if they cannot name values with which their early answer is an
-    // allowed one; the conditions on the step before are checked first.
-    let has_allowed_answer = delay.all(guaranteed().chain(defining()), &allowed);
+    // The Moore machines lose before the environment moves if they cannot name values with which
+    // their answer keeps their own guarantees. What the Mealy machines guarantee is no excuse for
+    // the environment: they answer after it. The conditions on the step before are checked first.
+    let has_allowed_answer = delay.all(moore().chain(defining()), &allowed);
     let kept = has_allowed_answer.clone().and(kept);
     let mut rules = Side {
         initial: vec![

@@ -1,7 +1,7 @@
 //! Deterministic automata that monitor safety formulas.
 //!
-//! The atoms of the formula are conditions on a single step. Only the truth assignments to the atoms
-//! that some values of the variables produce are considered; the others are don't-cares.
+//! The atoms of the formula are conditions on a single step. Only the truth assignments to the
+//! atoms that some values of the variables produce are considered; the others are don't-cares.
 
 use super::ltl::{FormulaId, Formulas, Op};
 use linewright_automata::dfa::Dfa;

@@ -7,10 +7,10 @@
 //! 2002) up to `n² + 3n`. The search is sound here because leaving out a guarantee never makes a
 //! specification unrealizable.
 //!
-//! Without some of its assumptions, the core still clashes, but it may no longer be minimal: a proper
-//! subset of it may clash, too. The assumptions that matter are a minimal set of assumptions with
-//! which the core remains minimal. The same search finds them. Each of its tests solves up to `k`
-//! games, where `k` is the number of guarantees in the core; each game omits one of them.
+//! Without some of its assumptions, the core still clashes, but it may no longer be minimal: a
+//! proper subset of it may clash, too. The assumptions that matter are a minimal set of assumptions
+//! with which the core remains minimal. The same search finds them. Each of its tests solves up to
+//! `k` games, where `k` is the number of guarantees in the core; each game omits one of them.
 
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
