@@ -49,22 +49,3 @@ pub(super) fn renamed<'a>(
     }
     result.into_iter().flatten().collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::renamed;
-
-    #[test]
-    fn names_are_made_acceptable_and_unique() {
-        let takes = |n: &str| {
-            n != "line" && n.starts_with(char::is_alphabetic) && !n.contains(['@', '.', '[', ']'])
-        };
-        let names = ["line", "a", "x@1", "x_1", "h[2]", "line_", "7", "ü.", "x.1"];
-        assert_eq!(
-            renamed(names, "v", takes),
-            [
-                "line_2", "a", "x_1_", "x_1", "h_2", "line_", "v7", "v", "x_1_2"
-            ]
-        );
-    }
-}

@@ -6,7 +6,7 @@ use super::{TARGETS, support, there_and_back};
 use crate::support::games::reload;
 use linewright::diagnostics::has_errors;
 use linewright::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable};
-use linewright::interchange::{Format, contract, read};
+use linewright::interchange::{Format, Target, contract, read, write};
 use linewright::source::{FileId, Span};
 use linewright::syntax;
 use std::collections::BTreeSet;
@@ -161,6 +161,20 @@ fn words_as_names_are_written_in_every_format() {
             there_and_back(&specification, target);
         }
     }
+}
+
+/// A name that the format does not allow is replaced, but by no name that another variable has.
+#[test]
+fn replaced_names_remain_unique() {
+    let names = ["True", "a", "x@1", "x_1", "h[2]", "True_", "7", "ü."];
+    let labels = ["l1", "l2", "l3", "l4", "l5", "l6", "l7", "l8"];
+    let words = names.iter().chain(&labels).map(|w| (*w).to_owned());
+    let specification = specification(&words.collect::<Vec<_>>(), "Replaced");
+    let written = write(&specification, Target::Spc).expect("a file");
+    let outputs = written.lines().find_map(|line| line.strip_prefix("SYS: "));
+    let outputs: Vec<&str> = outputs.expect("a line").split(' ').take(8).collect();
+    let replaced = ["True_2", "a", "x_1_", "x_1", "h_2", "True_", "v_7", "v_"];
+    assert_eq!(outputs, replaced);
 }
 
 /// Half of the words are Booleans of either side, the other half labels.
