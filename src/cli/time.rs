@@ -1,10 +1,10 @@
 //! Durations on the command line: `3600`, `90m`, `90min`, `8h`, `1d`, `1h30m`.
 
 /// Parses a positive duration in seconds: a plain number, or numbers each with one of the units
-/// `d h m s` in descending order; `min` means `m`.
+/// `d h m s` in descending order; `min` means `m`. Spaces may stand around a unit.
 pub fn seconds(text: &str) -> Result<f64, String> {
     parse(text.trim()).ok_or_else(|| {
-        format!("`{text}` is not a valid duration: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
+        format!("`{text}` is not a valid duration: write seconds (`3600`), or use units (`90m`, `8h`, `5d`, `1h30m`)")
     })
 }
 
@@ -34,7 +34,7 @@ fn parse(text: &str) -> Option<f64> {
         if unit >= last {
             return None;
         }
-        total += number(&rest[..end])? * unit;
+        total += number(rest[..end].trim())? * unit;
         last = unit;
         rest = &rest[end + word.len()..];
     }
@@ -58,6 +58,8 @@ mod tests {
             ("1h30m", 5400.0),
             ("1.5h", 5400.0),
             ("1d2h3m4s", 93_784.0),
+            ("5 d", 432_000.0),
+            ("1 h 30 min", 5400.0),
         ] {
             assert_eq!(seconds(text), Ok(wanted), "{text}");
         }
@@ -66,7 +68,7 @@ mod tests {
     #[test]
     fn other_texts_are_rejected() {
         for text in [
-            "", "0", "0h", "h", "-1", "1x", "1m2h", "1h2h", "1 h", "1h30", "nan", "inf", "1e9",
+            "", "0", "0h", "h", "-1", "1x", "1m2h", "1h2h", "1 2h", "1h30", "nan", "inf", "1e9",
             "ü", "1hü",
         ] {
             assert!(seconds(text).is_err(), "{text}");

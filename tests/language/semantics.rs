@@ -61,9 +61,11 @@ enum Tree {
 
 /// Levels of the grammar, loosest first.
 const NEGATION: u8 = 5;
-const COMPARISON: u8 = 6;
-const SIGNED: u8 = 9;
-const ATOM: u8 = 10;
+const COMPARISON: u8 = NEGATION + 1;
+const SUM: u8 = COMPARISON + 1;
+const PRODUCT: u8 = SUM + 1;
+const SIGNED: u8 = PRODUCT + 1;
+const ATOM: u8 = SIGNED + 1;
 
 fn level(op: &str) -> u8 {
     match op {
@@ -73,8 +75,8 @@ fn level(op: &str) -> u8 {
         "xor" => 3,
         "and" => 4,
         "=" | "!=" | "<" | "<=" | ">" | ">=" => COMPARISON,
-        "+" | "-" => 7,
-        _ => 8,
+        "+" | "-" => SUM,
+        _ => PRODUCT,
     }
 }
 
@@ -381,9 +383,9 @@ fn write_tree(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut Strin
         Tree::Within(x, low, high) => {
             put(x, own + 1, false, c, out);
             out.push_str(" in ");
-            put(low, 7, false, c, out);
+            put(low, SUM, false, c, out);
             out.push_str("..");
-            put(high, 7, last, c, out);
+            put(high, SUM, last, c, out);
         }
     }
 }

@@ -394,6 +394,34 @@ contract B {
     }
 }
 
+/// Two contracts have an `assumption 1`; the finding says whose it is, and points at it.
+#[test]
+fn an_assumption_is_named_with_its_contract() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "
+moore contract C0 {
+    input b: bool
+    output a: bool
+    guarantee always not a
+}
+contract C1 {
+    input a: bool
+    output b: bool
+    assume a
+    guarantee b
+}
+";
+    fs::write(folder.path().join("own.lw"), text).expect("a file");
+    let output = linewright(folder.path(), &["compat", "own.lw::C0", "own.lw::C1"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let shown = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        shown.contains("`assumption 1` of C1 can be broken"),
+        "{shown}"
+    );
+    assert!(shown.contains("own.lw:10:"), "{shown}");
+}
+
 /// The outside sees `y` before it answers, and copies it. A promise that `x` holds again and again
 /// restricts no single step.
 #[test]

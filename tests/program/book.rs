@@ -76,6 +76,57 @@ fn the_table_of_contents_is_complete() {
     assert_eq!(listed, pages);
 }
 
+/// The words of a report are explained, although they are no constructs: by the tables of the
+/// constructs that they belong to.
+#[test]
+fn the_words_of_a_report_are_explained() {
+    for (word, construct) in [
+        ("lead_time", "requirement"),
+        ("throughput", "requirement"),
+        ("busy", "requirement"),
+        ("busy", "station"),
+        ("blocked", "station"),
+        ("starved", "station"),
+    ] {
+        let output = support::linewright(root(), &["explain", word]);
+        assert!(output.status.success(), "{word}");
+        let heading = format!("## `{construct}`");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains(&heading), "{word}: {text}");
+    }
+}
+
+/// The table in `contracts/README.md` lists every contract of the library with its import.
+#[test]
+fn the_table_of_the_library_is_complete() {
+    let folder = root().join("contracts");
+    let table = read(&folder.join("README.md"));
+    let listed: BTreeSet<(String, String)> = table
+        .lines()
+        .filter_map(|line| {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            let name = cells.get(1)?.strip_prefix('`')?.strip_suffix('`')?;
+            let import = cells.get(2)?.strip_prefix('`')?.strip_suffix('`')?;
+            Some((name.to_owned(), import.to_owned()))
+        })
+        .collect();
+    let mut declared = BTreeSet::new();
+    for path in files_below(&folder, &["lw"]) {
+        let place = path.strip_prefix(&folder).expect("it is below the folder");
+        let place = place.with_extension("");
+        let parts = place.iter().map(|part| part.to_string_lossy());
+        let import = parts.fold("std".to_owned(), |all, part| format!("{all}.{part}"));
+        for line in read(&path).lines() {
+            let line = line.strip_prefix("moore ").unwrap_or(line);
+            if let Some(rest) = line.strip_prefix("contract ") {
+                let name = rest.split(|c: char| !c.is_alphanumeric()).next();
+                declared.insert((name.unwrap_or_default().to_owned(), import.clone()));
+            }
+        }
+    }
+    assert_eq!(listed, declared);
+}
+
 #[test]
 fn no_link_is_dead() {
     let mut dead = String::new();

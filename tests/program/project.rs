@@ -102,3 +102,40 @@ machine M {
         Verdict::Unrealizable
     );
 }
+
+/// A plain conveyor takes a part in every step of pitch/speed, one with the library's `Convey` in
+/// every second step, as `docs/reference/language/lines.md` says.
+#[test]
+fn a_conveyor_with_convey_carries_half_as_much() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let products = |conveyor: &str| {
+        let text = format!(
+            "
+import std.handling.convey
+machine Belt {{
+    signal load: bool = false
+    signal unload_ready: bool = true
+    action belt: Convey(places = 6)
+}}
+line Conveying {{
+    part Plate
+    product Plate
+    source rack: Plate every 1 s
+    conveyor belt{conveyor} pitch 0.5 m speed 0.2 m/s
+    sink box
+    route Plate: rack -> belt -> box
+    limit 1 h
+}}
+"
+        );
+        std::fs::write(folder.path().join("line.lw"), text).expect("a file");
+        let arguments = ["run", "line.lw", "--format", "json"];
+        let output = crate::support::linewright(folder.path(), &arguments);
+        let document: serde_json::Value = serde_json::from_slice(&output.stdout)
+            .unwrap_or_else(|_| panic!("no document: {output:?}"));
+        document["products"].as_u64().expect("a number")
+    };
+    let (plain, contracted) = (products(" places 6"), products(": Belt"));
+    assert!((1430..=1440).contains(&plain), "{plain}");
+    assert!((715..=720).contains(&contracted), "{contracted}");
+}

@@ -36,12 +36,23 @@ pub enum Compatibility {
     /// No environment keeps the assumptions: the components can keep their guarantees in such a way
     /// that an assumption is broken.
     Incompatible {
-        /// Names of a minimal set of assumptions that cannot be kept together.
-        assumptions: Vec<String>,
+        /// A minimal set of assumptions that cannot be kept together.
+        assumptions: Vec<Assumption>,
         /// Play in which one of these assumptions is broken; `None` if a limit was reached before a
         /// play was found.
         play: Option<Refutation>,
     },
+}
+
+/// An assumption of a component.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Assumption {
+    /// Index of the component in the system.
+    pub component: usize,
+    /// Name of the formula.
+    pub name: String,
+    /// Position of the formula in its file.
+    pub span: Span,
 }
 
 /// Decides whether all components of a system together are compatible.
@@ -77,9 +88,30 @@ pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Lim
         _ => None,
     };
     Ok(Compatibility::Incompatible {
-        assumptions: lost.core_names(&game),
+        assumptions: assumptions_of(system, &lost.core_formulas(&game)),
         play,
     })
+}
+
+/// Returns the components' assumptions that these formulas of the game stand for. The game rewrites
+/// an assumption, but keeps its name and its position.
+fn assumptions_of(system: &System, core: &[&Formula]) -> Vec<Assumption> {
+    let mut found: Vec<Assumption> = Vec::new();
+    for formula in core {
+        let components = (0..).zip(&system.components);
+        let mut candidates = components.flat_map(|(component, p)| {
+            let assumed = p.assumptions.formulas();
+            let same = assumed.filter(|(_, _, f)| f.name == formula.name && f.span == formula.span);
+            same.map(move |(_, _, f)| Assumption {
+                component,
+                name: f.name.clone(),
+                span: f.span,
+            })
+        });
+        // Two components may be instances of one contract.
+        found.extend(candidates.find(|candidate| !found.contains(candidate)));
+    }
+    found
 }
 
 /// Position of the environment's move in a step: before the components, after those that are Moore

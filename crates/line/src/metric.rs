@@ -83,7 +83,7 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
             );
             trace.findings.push(
                 Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
-                    .with_help(advice(line, trace)),
+                    .with_help(advice(&requirement.metric, line, trace)),
             );
         }
         trace.requirements.push(RequirementResult {
@@ -185,7 +185,7 @@ pub(super) fn unmet(
         );
         findings.push(
             Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
-                .with_help(advice(line, worst)),
+                .with_help(advice(&requirement.metric, line, worst)),
         );
     }
     findings
@@ -212,12 +212,34 @@ pub fn describe(metric: &Metric, line: &Line) -> String {
     }
 }
 
-fn advice(line: &Line, trace: &Trace) -> String {
-    match trace.bottleneck.and_then(|index| trace.stations.get(index)) {
-        Some(station) => format!(
-            "The bottleneck of {} was {}; look there first, or change the requirement.",
-            line.name, station.name
-        ),
+/// Where to begin: at the bottleneck if the metric depends on the pace of the line, at the largest
+/// consumer if it is the energy.
+fn advice(metric: &Metric, line: &Line, trace: &Trace) -> String {
+    let bottleneck = || trace.bottleneck.and_then(|index| trace.stations.get(index));
+    let found = match metric {
+        Metric::ThroughputPerHour
+        | Metric::MakespanSeconds
+        | Metric::LeadTimeMeanSeconds
+        | Metric::Products => bottleneck()
+            .map(|station| format!("The bottleneck of {} was {}", line.name, station.name)),
+        Metric::EnergyKwh => largest_consumer(trace).map(|(name, joules)| {
+            let share = 100.0 * joules / trace.joules;
+            format!("{name} used {share:.0} % of the energy of {}", line.name)
+        }),
+        Metric::Rejected | Metric::Violations | Metric::Busy(_) => None,
+    };
+    match found {
+        Some(found) => format!("{found}; look there first, or change the requirement."),
         None => "Change the line or the requirement.".to_owned(),
     }
+}
+
+/// The station or conveyor that used the most energy, and its energy in joules.
+fn largest_consumer(trace: &Trace) -> Option<(&str, f64)> {
+    let stations = trace.stations.iter().map(|s| (s.name.as_str(), s.joules));
+    let conveyors = trace.conveyors.iter().map(|c| (c.name.as_str(), c.joules));
+    let used = stations
+        .chain(conveyors)
+        .filter(|(_, joules)| *joules > 0.0);
+    used.max_by(|a, b| a.1.total_cmp(&b.1))
 }

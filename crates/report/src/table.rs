@@ -277,8 +277,10 @@ fn replicated(out: &mut String, replications: &Replications) {
         row("makespan in seconds", replications.makespan, 1),
         row("energy in kWh", replications.energy_kwh, 4),
     ];
-    let count = replications.seeds.len();
-    let title = format!("{count} seeds, 95 %");
+    let title = match replications.seeds[..] {
+        [first, .., last] => format!("seeds {first} to {last}, 95 %"),
+        _ => "1 seed, 95 %".to_owned(),
+    };
     columns(out, &[&title, "mean", "from", "to"], &rows);
 }
 

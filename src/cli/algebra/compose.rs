@@ -18,6 +18,7 @@ use crate::engine::pipeline::Jobs;
 use crate::engine::words::ProofPrinter;
 use crate::gr1::{FormulaKind, Owner, Side, Specification, Time, Timing, VarId, Variable};
 use crate::mealy;
+use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -290,18 +291,23 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
     if let Compatibility::Incompatible { assumptions, play } = answer {
         outcome.document.verdict = Verdict::Incompatible;
         outcome.text = String::new();
-        let named = quoted_list(assumptions.iter().map(String::as_str));
+        let described = assumptions.iter().map(|a| match &names[..] {
+            [_] => format!("`{}`", a.name),
+            _ => format!("`{}` of {}", a.name, names[a.component]),
+        });
+        let mut spans = assumptions.iter().map(|a| a.span);
+        let span = spans.find(|span| *span != Span::default());
         let mut finding = Diagnostic::error(
             codes::INCOMPATIBLE,
-            joined.spans[0],
+            span.unwrap_or(joined.spans[0]),
             format!(
-                "no environment can keep what {together} assume{}: {} {} broken, whatever the environment does",
+                "no environment can keep what {together} assume{}: {} {}, whatever the environment does",
                 if names.len() == 1 { "s" } else { "" },
-                named,
+                findings::list(&described.collect::<Vec<_>>()),
                 if assumptions.len() == 1 {
-                    "can be"
+                    "can be broken"
                 } else {
-                    "can be made to be"
+                    "cannot be kept together"
                 },
             ),
         );

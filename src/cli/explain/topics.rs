@@ -61,7 +61,8 @@ pub fn all(program: &Command) -> Vec<Topic> {
 }
 
 /// The topics that have exactly this name. If there are none, the constructs with this word in a
-/// name, or with this keyword in their grammar.
+/// name, or with this keyword in their grammar. If there are none either, the constructs with a
+/// table that has a row for this word.
 pub fn find(mut topics: Vec<Topic>, name: &str) -> Vec<Topic> {
     let keyword = format!("k_{name}");
     let is_name = |topic: &Topic| topic.keys.iter().any(|key| key == name);
@@ -71,14 +72,14 @@ pub fn find(mut topics: Vec<Topic>, name: &str) -> Vec<Topic> {
         topic.kind == Kind::Construct
             && (words.any(|word| word == name) || rules.any(|rule| rule == keyword))
     };
-    let by_name = topics.iter().any(is_name);
-    topics.retain(|topic| {
-        if by_name {
-            is_name(topic)
-        } else {
-            has_word(topic)
-        }
-    });
+    let has_row = |topic: &Topic| {
+        let rows = topic.page.lines().filter_map(|l| l.strip_prefix("| `"));
+        let mut entries = rows.filter_map(|row| row.strip_prefix(name));
+        topic.kind == Kind::Construct && entries.any(|rest| rest.starts_with(['`', '(']))
+    };
+    let matches: [&dyn Fn(&Topic) -> bool; 3] = [&is_name, &has_word, &has_row];
+    let first = matches.into_iter().find(|fits| topics.iter().any(fits));
+    topics.retain(|topic| first.is_some_and(|fits| fits(topic)));
     topics
 }
 

@@ -252,7 +252,7 @@ fn replications_in_both() {
         "nothing is random here"
     );
     let text = report::table(plant.line(), &traces[0], Some(&figures));
-    assert!(text.contains("4 seeds, 95 %"));
+    assert!(text.contains("seeds 1 to 4, 95 %"));
 }
 
 /// A station that is slower in every run.

@@ -18,6 +18,32 @@ use std::sync::Arc;
 /// Argument values and their positions, by name.
 pub(super) type Arguments = BTreeMap<String, (Value, Span)>;
 
+/// Evaluates the arguments of a machine in the caller's scope, as [`arguments`] does. A parameter
+/// of the machine's operations is no parameter of the machine; the finding says where to set it.
+pub(super) fn machine_arguments<'a>(
+    caller: &mut Elaborator<'a>,
+    machine: &ast::Machine,
+    given: &'a [ast::Argument],
+) -> Arguments {
+    let of_operations = |name: &str| {
+        let mut properties = machine.items.iter().filter_map(|item| match item {
+            ast::MachineItem::Parameter(p) => Some(p),
+            _ => None,
+        });
+        properties.any(|p| p.name.text == name).then(|| {
+            format!("it is set with an operation: `perform OPERATION({name} = ...)` in the station")
+        })
+    };
+    let header = &machine.header;
+    evaluate(
+        caller,
+        &header.parameters,
+        given,
+        &header.name.text,
+        &of_operations,
+    )
+}
+
 /// Evaluates arguments in the caller's scope. A label is looked up in the type of the parameter.
 /// Reports unknown and duplicate arguments.
 pub(super) fn arguments<'a>(
@@ -26,12 +52,26 @@ pub(super) fn arguments<'a>(
     given: &'a [ast::Argument],
     callee: &str,
 ) -> Arguments {
+    evaluate(caller, parameters, given, callee, &|_| None)
+}
+
+/// Evaluates arguments. `help` returns the way out for an unknown name, if there is a better one
+/// than to list the parameters.
+fn evaluate<'a>(
+    caller: &mut Elaborator<'a>,
+    parameters: &[ast::Parameter],
+    given: &'a [ast::Argument],
+    callee: &str,
+    help: &dyn Fn(&str) -> Option<String>,
+) -> Arguments {
     let mut result = Arguments::new();
     for argument in given {
         let name = &argument.name;
         if !parameters.iter().any(|p| p.name.text == name.text) {
             let known = parameters.iter().map(|p| p.name.text.as_str());
-            let help = match super::elaborate::nearest(&name.text, known.clone()) {
+            let near = super::elaborate::nearest(&name.text, known.clone());
+            let help = match near {
+                _ if let Some(better) = help(&name.text) => better,
                 Some(near) => format!("did you mean `{near}`?"),
                 None if parameters.is_empty() => format!("`{callee}` has no parameters"),
                 None => format!(

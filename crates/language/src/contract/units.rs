@@ -63,7 +63,7 @@ impl Dimension {
         match self {
             Self::None => "a bare number",
             Self::Share => "a share (`%`)",
-            Self::Time => "a time (`s`, `min`, `h`)",
+            Self::Time => "a time (`s`, `min`, `h`, `d`)",
             Self::Length => "a length (`mm`, `m`)",
             Self::Angle => "an angle (`deg`)",
             Self::Power => "a power (`W`, `kW`)",

@@ -8,7 +8,7 @@ use super::ranking::Ranking;
 use super::reference::GuaranteeRef;
 use super::strategy::Preference;
 use crate::symbolic::{Diagram, Limit, Limits};
-use linewright_core::gr1::Specification;
+use linewright_core::gr1::{Formula, Specification};
 use std::fmt::Debug;
 
 /// The verdict on a specification.
@@ -79,14 +79,18 @@ pub trait Game: Debug + Send + Sync {
 }
 
 impl LostGame {
-    /// Returns the names of the core's guarantees, except definitions; empty if the core is
-    /// unknown.
-    pub fn core_names(&self, specification: &Specification) -> Vec<String> {
+    /// Returns the core's guarantees, except definitions; empty if the core is unknown.
+    pub fn core_formulas<'s>(&self, specification: &'s Specification) -> Vec<&'s Formula> {
         let core = self.core.iter().flatten();
         core.map(|r| r.formula(&specification.guarantees))
             .filter(|f| !f.defines)
-            .map(|f| f.name.clone())
             .collect()
+    }
+
+    /// Returns the names of [`core_formulas`](Self::core_formulas).
+    pub fn core_names(&self, specification: &Specification) -> Vec<String> {
+        let core = self.core_formulas(specification).into_iter();
+        core.map(|f| f.name.clone()).collect()
     }
 }
 

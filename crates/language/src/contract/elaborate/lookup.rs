@@ -8,6 +8,17 @@ use linewright_core::gr1::{Domain, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 
+/// Words that are taken for a random distribution.
+const DISTRIBUTIONS: [&str; 7] = [
+    "exponential",
+    "exp",
+    "normal",
+    "poisson",
+    "random",
+    "triangular",
+    "uniform",
+];
+
 impl Elaborator<'_> {
     pub(super) fn literal(&mut self, span: Span, number: f64, name: &str) -> Option<Value> {
         let (dimension, factor) = unit(name);
@@ -234,6 +245,9 @@ impl Elaborator<'_> {
         }
         let help = match nearest(name, known.into_iter()) {
             Some(near) => format!("did you mean `{near}`?"),
+            None if DISTRIBUTIONS.contains(&name) => {
+                "only the times of a source can be random: `every random 20 s`".to_owned()
+            }
             None => "declare it, or import the file that declares it".to_owned(),
         };
         self.findings.error_with(

@@ -172,8 +172,7 @@ impl<'a> Builder<'a, '_> {
             );
             return None;
         };
-        let given =
-            instantiate::arguments(&mut self.e, &decl.header.parameters, arguments, &name.text);
+        let given = instantiate::machine_arguments(&mut self.e, decl, arguments);
         let key = (name.text.clone(), format!("{:?}", values_of(&given)));
         if let Some(machine) = self.machines.get(&key) {
             return Some(Arc::clone(machine));

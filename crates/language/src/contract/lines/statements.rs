@@ -164,6 +164,15 @@ impl<'a> Builder<'a, '_> {
                     }
                 };
                 if let Some(value) = self.e.constant_quantity(bound, dimension) {
+                    if matches!(metric, Metric::Busy(_)) && !(0.0..=1.0).contains(&value) {
+                        self.e.findings.error_with(
+                            codes::ARGUMENT,
+                            bound.span,
+                            "a share lies between 0 and 1",
+                            "write it in percent, such as `20 %`",
+                        );
+                        return;
+                    }
                     model.requirements.push(Requirement {
                         name: name.text.clone(),
                         metric,

@@ -94,12 +94,7 @@ pub(super) fn nested<'a>(
         );
         return None;
     }
-    let given = instantiate::arguments(
-        e,
-        &machine.header.parameters,
-        &c.arguments,
-        &c.contract.text,
-    );
+    let given = instantiate::machine_arguments(e, machine, &c.arguments);
     let mut found = Vec::new();
     let inner = level(
         scope,
