@@ -414,10 +414,10 @@ contract C1 {
     fs::write(folder.path().join("own.lw"), text).expect("a file");
     let output = linewright(folder.path(), &["compat", "own.lw::C0", "own.lw::C1"]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
-    let shown = String::from_utf8_lossy(&output.stderr);
+    let shown = String::from_utf8_lossy(&output.stdout);
     assert!(
         shown.contains("`assumption 1` of C1 can be broken"),
-        "{shown}"
+        "{output:?}"
     );
     assert!(shown.contains("own.lw:10:"), "{shown}");
 }
