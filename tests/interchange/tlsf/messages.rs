@@ -204,6 +204,11 @@ fn messages() {
             "Mealy",
             &format!("{SIGNALS} REQUIRE {{ r -> X s; }} ASSERT {{ r -> X X g; }}"),
         ),
+        file(
+            "Mealy,Strict",
+            "Mealy",
+            &format!("{SIGNALS} REQUIRE {{ r; }} ASSERT {{ g && G h; }}"),
+        ),
         main(&format!("{SIGNALS} GUARANTEE {{ g /* open; }}")),
         main(&format!("{SIGNALS} GUARANTEE {{ g & h; }}")),
     ];

@@ -157,7 +157,7 @@ impl Meaning<'_, '_, '_> {
         // A PRESET formula about a transition also concerns the environment's first move.
         let first_move = preset.iter().any(|f| matches!(f.piece, Piece::Step(_)));
         if self.strict && assumed && !assert.is_empty() {
-            self.check_strict(&require, &assert);
+            self.check_strict(&conjuncts, &require, &assert);
         }
 
         let mut excused = Vec::new();
@@ -210,9 +210,23 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// For strict semantics with assumptions, reports the formulas of REQUIRE and ASSERT that look
-    /// further than the next step, because `S W !R` has no equivalent for them.
-    fn check_strict(&mut self, require: &[LocatedPiece], assert: &[LocatedPiece]) {
-        let mut wrong = Vec::new();
+    /// further than the next step, because `S W !R` has no equivalent for them. `G a` in ASSERT is
+    /// such a formula, although `G G a` is an invariant: once it was required, the system has to
+    /// keep `a` even after REQUIRE was broken.
+    fn check_strict(
+        &mut self,
+        conjuncts: &[Conjunct],
+        require: &[LocatedPiece],
+        assert: &[LocatedPiece],
+    ) {
+        let formulas = &*self.classifier.formulas;
+        let lasting = |c: &&Conjunct| {
+            c.section == Section::Assert
+                && !require.is_empty()
+                && formulas.ahead(c.formula).is_none()
+        };
+        let lasting = conjuncts.iter().filter(lasting).map(|c| c.formula);
+        let mut wrong: Vec<_> = lasting.collect();
         for found in require.iter().chain(assert) {
             let remembers = match &found.piece {
                 Piece::Initial(e) | Piece::Invariant(e) | Piece::Step(e) => {
@@ -220,7 +234,8 @@ impl Meaning<'_, '_, '_> {
                 }
                 _ => true,
             };
-            if remembers {
+            let place = |at| self.classifier.formulas.place(at).range();
+            if remembers && !wrong.iter().any(|at| place(*at) == place(found.at)) {
                 wrong.push(found.at);
             }
         }
