@@ -304,10 +304,13 @@ impl Assembly<'_> {
         };
         // A line that is not in the library has an error, perhaps only in one of its machines.
         let mut fits = line.is_some();
+        let mut gave_up = false;
         if let Some(line) = line {
             let own = self.instances.iter().filter(|(of, _)| *of == line.span);
             for found in own.map(|(_, planned)| self.instance_findings(planned)) {
-                fits &= !has_errors(&found);
+                let mut errors = found.iter().filter(|f| f.severity == Severity::Error);
+                gave_up |= errors.clone().any(|f| f.code == codes::GAVE_UP);
+                fits &= errors.all(|f| f.code == codes::GAVE_UP);
                 findings.extend(found);
             }
         }
@@ -335,10 +338,11 @@ impl Assembly<'_> {
             file: file.name.to_owned(),
             verdict: match (failed, sound && fits) {
                 (true, _) => Validity::InternalError,
+                (false, true) if gave_up => Validity::GaveUp,
                 (false, true) => Validity::Valid,
                 (false, false) => Validity::Invalid,
             },
-            proof: verdict.filter(|_| fits),
+            proof: verdict.filter(|_| fits && !gave_up),
             premises: proof.premises.into_iter().map(PremiseEntry::from).collect(),
             undecided: proof.undecided,
             discharges: proof.discharges,

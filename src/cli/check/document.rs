@@ -150,6 +150,9 @@ pub(super) enum Validity {
     Valid,
     /// The line, or one of its machines, has an error.
     Invalid,
+    /// A limit was reached before it was decided whether a machine, in the size that the line gives
+    /// it, has controllers.
+    GaveUp,
     /// An internal error occurred.
     InternalError,
 }

@@ -62,6 +62,7 @@ impl From<Validity> for Mark {
     fn from(verdict: Validity) -> Self {
         match verdict {
             Validity::Valid => Self::Good,
+            Validity::GaveUp => Self::Open,
             Validity::Invalid | Validity::InternalError => Self::Failed,
         }
     }

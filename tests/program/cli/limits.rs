@@ -43,6 +43,41 @@ fn the_other_contracts_keep_their_verdicts() {
     }
 }
 
+/// The machine has a controller in its own size. In the size that the line gives it, there is not
+/// enough time to decide that; this is no error of the line.
+#[test]
+fn a_line_with_an_undecided_machine_gave_up() {
+    let session = Session::new();
+    let text = "
+contract Product(n: 1..1048575 = 3) {
+    input a, b: 0..n
+    output odd: bool
+    guarantee product: always (odd <-> a * b mod 2097143 > 1000000)
+}
+machine M(n: 1..1048575 = 3) {
+    signal a: 0..n = 0
+    signal b: 0..n = 1
+    action p: Product(n = n) when operation = w
+    operation w: p
+    done operation = w
+}
+line L {
+    part T
+    source s: T every 5 s
+    station m: M(n = 1048575) {
+        perform w on T
+    }
+    sink box
+    route T: s -> m -> box
+}
+";
+    std::fs::write(session.path("undecided.lw"), text).expect("a file");
+    let printed = session.run("check undecided.lw --format short --timeout 1");
+    assert_eq!(printed.code, 3, "{}", printed.out);
+    let wanted = "undecided.lw: line L: gave_up";
+    assert!(printed.out.contains(wanted), "{}", printed.out);
+}
+
 #[test]
 fn a_memory_limit_ends_in_a_message() {
     let session = Session::new();
