@@ -272,7 +272,9 @@ fn the_documents_are_up_to_date() {
         let output = support::linewright(folder.path(), arguments);
         serde_json::from_slice(&output.stdout).expect("a document")
     };
-    let mut text = "# JSON documents\n\nGenerated from the program. `linewright schema check` prints \
+    let mut text = "# JSON documents\n\nGenerated from the program. A call that is wrong in itself (an \
+         unknown option, or a file without the line or machine that the command needs) prints an \
+         error on standard error and no document; the exit code is 2. `linewright schema check` prints \
                     the whole JSON Schema (draft 2020-12) of a document. First come the fields of each \
                     document, then the [types](#types) that they use.\n"
         .to_owned();

@@ -161,8 +161,9 @@ pub struct MergeArguments {
 #[command(after_help = "Examples:
     linewright quotient std.handling.turn std.handling.turn
 
-The quotient is the weakest contract that, composed with EXISTING, refines WHOLE. The command checks that the composition does so. \
-Here, a contract is a set of infinite runs. `compose` reasons step by step, so it can accept a component that does not refine the quotient.")]
+The quotient is the weakest contract that, composed with EXISTING, refines WHOLE. The command checks that this composition refines WHOLE. \
+`quotient` compares sets of infinite runs: a contract says that if its assumptions hold in the whole run, so do its guarantees. `compose` demands more: \
+safety guarantees hold for as long as safety assumptions have held. So `compose` can accept a component that does not refine the quotient.")]
 pub struct QuotientArguments {
     /// Contract that EXISTING and the missing component must satisfy together
     #[arg(value_name = "WHOLE")]

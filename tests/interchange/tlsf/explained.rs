@@ -152,6 +152,29 @@ fn unrealizable_files_are_explained_in_all_semantics() {
     assert!(explained_files >= 30, "{explained_files}");
 }
 
+/// Whatever the semantics and the target, a file without a first step of the environment demands
+/// nothing, and one with such a step demands PRESET.
+#[test]
+fn a_contradictory_beginning_excuses_the_system() {
+    for (beginning, wanted) in [("a && !a", true), ("a", false)] {
+        let main = format!(
+            "INPUTS {{ a; }} OUTPUTS {{ x; }} INITIALLY {{ {beginning}; }} PRESET {{ x && !x; }} \
+             GUARANTEE {{ G F x; }}"
+        );
+        for semantics in ["Mealy", "Moore", "Mealy,Strict", "Moore,Strict"] {
+            for target in ["Mealy", "Moore"] {
+                let reading = super::read_text(&file(semantics, target, &main));
+                let specification = reading.specification.expect("a file");
+                assert_eq!(
+                    verdict(&specification),
+                    wanted,
+                    "{semantics} {target} {main}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn the_public_unrealizable_file_is_explained() {
     let Some(folder) = bench() else { return };

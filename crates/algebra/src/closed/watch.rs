@@ -79,7 +79,8 @@ impl Watch {
         })
     }
 
-    /// Returns two rules: the first call is not for this operation, and neither is any later call.
+    /// Returns two rules: an initial one, that the first call is not for this operation, and a
+    /// safety rule, that no later call is.
     pub(super) fn never_begins(&self, machine: &Machine, operation: usize) -> [Rule; 2] {
         let runs = self.runs(machine, operation);
         let next = runs.substitute(&mut |v, _| Expr::Var(v, Time::Next));

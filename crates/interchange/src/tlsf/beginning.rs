@@ -62,6 +62,26 @@ impl Meaning<'_, '_, '_> {
         }
     }
 
+    /// If the environment chooses the values of INITIALLY in the first transition, checks PRESET
+    /// there, too. Otherwise the system would lose in step 0 before the environment can break an
+    /// INITIALLY that contradicts itself.
+    pub(super) fn defer_preset(&mut self, initially: &[LocatedPiece], preset: &mut [LocatedPiece]) {
+        if !initially.iter().any(|f| matches!(f.piece, Piece::Step(_))) {
+            return;
+        }
+        for found in preset {
+            if let Piece::Initial(e) = &found.piece {
+                let e = e.clone();
+                self.classifier.origin = found.origin.clone();
+                let first = self
+                    .classifier
+                    .started(0)
+                    .and(self.classifier.started(1).not());
+                found.piece = Piece::Step(first.implies(e).simplify());
+            }
+        }
+    }
+
     /// Moves formulas of INITIALLY and PRESET about more than the first step to other sections.
     ///
     /// If the formulas I of INITIALLY move to ASSUME, a formula P of PRESET becomes `I -> P`,

@@ -115,7 +115,8 @@ impl Meaning<'_, '_, '_> {
         let conjuncts = self.move_lasting_formulas(conjuncts);
         let conjuncts = self.flatten(conjuncts);
         let initially = self.pieces(&conjuncts, Section::Initially);
-        let preset = self.pieces(&conjuncts, Section::Preset);
+        let mut preset = self.pieces(&conjuncts, Section::Preset);
+        self.defer_preset(&initially, &mut preset);
         let require = self.pieces(&conjuncts, Section::Require);
         let mut assume = self.pieces(&conjuncts, Section::Assume);
         normalize_constants(&mut assume);

@@ -35,8 +35,8 @@ impl Classifier<'_> {
     fn before(&mut self, e: &Expr) -> Expr {
         let origin = self.origin.clone();
         match e.simplify() {
-            // The constant false needs no monitor, because a monitor is false in step 0, too, and
-            // so would never be true.
+            // The previous value of the constant false is false, and the result is false in step 0
+            // anyway. So it is always false and needs no monitor.
             Expr::Const(0) => Expr::FALSE,
             e => self.monitors.previous(&e, &origin),
         }

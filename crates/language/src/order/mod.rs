@@ -20,10 +20,10 @@
 //!   with `in a row` or `then`, it occurs where these skills follow each other within one call.
 //! - The skills that lead to the initial situation ([`Component::initial`]) count as called where a
 //!   rule depends on whether something has been called (`after`, `until`, `before`, `only after`,
-//!   `between`): if a unit is up at the start, `Up` has been called. They do not count as separate
-//!   calls: `at most` does not count them, and nothing follows them directly. It is unknown which
-//!   of two such skills was called last, so they are treated as if they had been called at once. No
-//!   event of several skills counts as called.
+//!   `between`): if a unit is up at the start, `Up` has been called. Their order is unknown, so
+//!   every order is considered possible. An event of several skills (`Left & Up`) does not count as
+//!   called, since the situation does not show which skills were called at once. `at most` does not
+//!   count these skills, and the first call does not directly follow one of them.
 //! - A *recall*, a skill whose component is already in its target situation, is a call like any
 //!   other. The level reasonable forbids it.
 //!

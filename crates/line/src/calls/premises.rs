@@ -55,8 +55,9 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     found
 }
 
-/// Adds the premises of a store. Its stock is finite, and there need not be another arrival after a
-/// part that it received and handed on.
+/// Adds the premises of a store, one for each type of part that leaves it. If the type also arrives
+/// there, the premise is that it arrives again and again. Otherwise, the premise is that the stock
+/// does not run out.
 fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
     let store = &line.nodes[node].name;
     for (part, kind) in line.parts.iter().enumerate() {

@@ -344,7 +344,8 @@ impl Run<'_> {
         }
     }
 
-    /// Removes a finished part from the line. The last end product that is requested ends the run.
+    /// Removes a finished part from the line. The run ends when the requested number of end
+    /// products is reached.
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;

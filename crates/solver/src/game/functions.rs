@@ -530,9 +530,10 @@ impl Work {
         Ok(())
     }
 
-    /// Eliminates the output bits from the safety and an aim, always choosing the bit whose parts
-    /// are smallest. Returns the bits with their functions. Each function is over the known values
-    /// and the bits before its own bit in the result, which were eliminated later. The functions
+    /// Eliminates the output bits from the safety and an aim. The next bit is always the one for
+    /// which the parts that mention it have the smallest total size. Returns each bit with a
+    /// function for its value. The bits are in reverse order of elimination, so each function
+    /// depends only on known values and on bits that come earlier in the result. The functions
     /// matter only where `care` holds.
     fn eliminate(&mut self, aim: Edge, care: Edge) -> Result<Vec<(Bit, Edge)>, Limit> {
         let Self {

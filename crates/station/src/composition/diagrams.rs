@@ -19,7 +19,8 @@ use linewright_solver::symbolic::{
     Biodivine, BitSet, Budget, Encoding, Kernel, Limit, Limits, OxiDd,
 };
 
-/// Maximum number of nodes that a question can create in the kernel that starts fast.
+/// Maximum number of nodes for a question in the first kernel, which starts fast. After that, the
+/// second kernel is tried.
 const FEW_NODES: u64 = 500_000;
 
 /// Decides whether the goal follows from the hypotheses.

@@ -25,8 +25,8 @@ use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A machine before its inner machines are expanded: each is a component whose contract is the
-/// inner machine's view.
+/// A machine whose inner machines are not yet expanded. Each inner machine is a component of it,
+/// whose contract is the inner machine's view.
 #[derive(Debug, Clone)]
 pub(super) struct Level {
     /// The machine, with its inner machines as components.
