@@ -161,6 +161,10 @@ impl<'a> Builder<'a, '_> {
         let Some(decl) = self.scope.machines.get(name.text.as_str()) else {
             let known = self.scope.machines.keys().copied();
             let help = match nearest(&name.text, known) {
+                _ if self.scope.contracts.contains_key(name.text.as_str()) => format!(
+                    "`{0}` is a contract; declare a machine with an action of this contract: `action work: {0}`",
+                    name.text
+                ),
                 Some(near) => format!("did you mean `{near}`?"),
                 None => "declare it with `machine`, or import the file that declares it".to_owned(),
             };
