@@ -15,11 +15,8 @@ fn every_contract_has_a_machine_that_passes_the_verifier() {
         let won = match solve(&specification, &limits) {
             Outcome::Realizable(won) => won,
             Outcome::Unrealizable(lost) => {
-                panic!(
-                    "{}: {:?}",
-                    specification.name,
-                    lost.core_names(&specification)
-                )
+                let core = lost.core_formulas(&specification);
+                panic!("{}: {core:#?}", specification.name)
             }
             Outcome::GaveUp(limit) => panic!("{}: {limit}", specification.name),
         };

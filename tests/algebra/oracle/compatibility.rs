@@ -52,10 +52,10 @@ fn names(assumptions: &[Assumption]) -> Vec<&str> {
 }
 
 /// Only the formulas with these names.
-fn named(side: &Side, names: &[String]) -> Side {
+fn named(side: &Side, names: &[&str]) -> Side {
     let only = |list: &[Formula]| -> Vec<Formula> {
         list.iter()
-            .filter(|f| names.contains(&f.name))
+            .filter(|f| names.contains(&f.name.as_str()))
             .cloned()
             .collect()
     };
@@ -264,7 +264,7 @@ fn environments_exist_where_the_swapped_game_is_won() {
         };
         assert!(!game.won(), "seed {seed}: {system:#?}");
         cannot += 1;
-        let named_ones: Vec<String> = core_of.iter().map(|a| a.name.clone()).collect();
+        let named_ones = names(&core_of);
         for a in &core_of {
             let component = &system.components[a.component].name;
             assert!(a.name.starts_with(component.as_str()), "seed {seed}: {a:?}");

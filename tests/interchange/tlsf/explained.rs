@@ -152,8 +152,8 @@ fn unrealizable_files_are_explained_in_all_semantics() {
     assert!(explained_files >= 30, "{explained_files}");
 }
 
-/// Whatever the semantics and the target, a file without a first step of the environment demands
-/// nothing, and one with such a step demands PRESET.
+/// If INITIALLY contradicts itself, nothing is demanded, whatever the semantics and the target.
+/// Otherwise PRESET is.
 #[test]
 fn a_contradictory_beginning_excuses_the_system() {
     for (beginning, wanted) in [("a && !a", true), ("a", false)] {

@@ -96,6 +96,29 @@ fn requirements_are_checked() {
     insta::assert_snapshot!(trace.findings[0].message, @r#"the requirement fast does not hold: the throughput in products an hour is 360, and should be at least 400"#);
 }
 
+/// The help for a requirement names the bottleneck only where the pace matters.
+#[test]
+fn the_help_for_a_requirement_fits_its_metric() {
+    let help = |metric: Metric, comparison, bound| {
+        let mut builder = simple();
+        builder.require(Requirement {
+            name: "asked".to_owned(),
+            metric,
+            comparison,
+            bound,
+            span: span(),
+        });
+        let trace = builder.run(10);
+        trace.findings[0].help.clone().unwrap_or_default()
+    };
+    let pace = help(Metric::ThroughputPerHour, Comparison::Ge, 1e6);
+    assert!(pace.contains("The bottleneck of"), "{pace}");
+    let energy = help(Metric::EnergyKwh, Comparison::Lt, 0.0);
+    assert!(energy.contains("% of the energy of"), "{energy}");
+    let share = help(Metric::Busy(1), Comparison::Lt, 0.0);
+    assert_eq!(share, "Change the line or the requirement.");
+}
+
 #[test]
 fn replications_use_different_seeds() {
     let mut builder = Builder::new(&["Part"]);

@@ -296,6 +296,50 @@ fn nothing_begins_off_shift() {
     assert!(hours.iter().all(|h| (6.0..=14.0).contains(h)), "{hours:?}");
 }
 
+/// A blocked station hands its part over at night, and its time off shift is idle.
+#[test]
+fn a_blocked_station_hands_over_off_shift() {
+    const HOUR: f64 = 3600.0;
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(600.0))
+        .conveyor("belt", 1, 2.0 * HOUR)
+        .sink("sink")
+        .route("Part", &["source", "cell", "belt", "sink"])
+        .shift(6.0 * HOUR, 14.0 * HOUR);
+    let trace = builder.run_until(24.0 * HOUR);
+    let at_night = |e: &&_| -> bool { matches!(e, (EventKind::Finished, t) if *t > 14.0 * HOUR) };
+    let events: Vec<(EventKind, f64)> = trace.log.iter().map(|e| (e.what, e.time)).collect();
+    // The part on the belt when the shift ends, and the one that the station still had.
+    assert_eq!(events.iter().filter(at_night).count(), 2);
+    near(trace.stations[0].shares.idle, 16.0 / 24.0, 1e-12);
+    assert!(trace.stations[0].shares.blocked > 0.2);
+}
+
+/// A repair that goes on at night counts as failed, not as idle.
+#[test]
+fn a_repair_off_shift_is_failed() {
+    const HOUR: f64 = 3600.0;
+    let mut builder = Builder::new(&["Part"]);
+    builder
+        .endless("source", "Part")
+        .station("cell", &["Part"], constant(600.0))
+        .with_station("cell", |_, _, _, failures| {
+            *failures = Some(Failures {
+                mtbf: 600.0,
+                mttr: 1e8,
+            });
+        })
+        .sink("sink")
+        .route("Part", &["source", "cell", "sink"])
+        .shift(6.0 * HOUR, 14.0 * HOUR);
+    let trace = builder.run_until(240.0 * HOUR);
+    let shares = &trace.stations[0].shares;
+    assert!(shares.failed > 0.8, "{shares:?}");
+    assert!(shares.idle < 0.2, "{shares:?}");
+}
+
 /// A join's place for a component is filled while the station works, is blocked, and off shift.
 #[test]
 fn components_come_at_any_time() {

@@ -76,7 +76,8 @@ fn cores_name_no_guarantee_for_a_monitor_that_it_shares() {
             continue;
         };
         found += 1;
-        let names = lost_game.core_names(&specification);
+        let core = lost_game.core_formulas(&specification).into_iter();
+        let names: Vec<String> = core.map(|f| f.name.clone()).collect();
         let shown = format!("seed {seed}: {guarantees:?}, core {names:?}");
         let is_in = |name: &str| names.iter().any(|n| n == name);
         assert!(lost(&only(&guarantees, is_in)).is_some(), "{shown}");

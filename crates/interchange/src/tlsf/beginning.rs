@@ -73,11 +73,7 @@ impl Meaning<'_, '_, '_> {
             if let Piece::Initial(e) = &found.piece {
                 let e = e.clone();
                 self.classifier.origin = found.origin.clone();
-                let first = self
-                    .classifier
-                    .started(0)
-                    .and(self.classifier.started(1).not());
-                found.piece = Piece::Step(first.implies(e).simplify());
+                found.piece = self.classifier.only_in(0, e);
             }
         }
     }

@@ -102,8 +102,7 @@ impl<'f> Classifier<'f> {
             if ahead == 0 {
                 return Ok(Piece::Initial(e.simplify()));
             }
-            let now = self.started(ahead - 1).and(self.started(ahead).not());
-            return Ok(Piece::Step(now.implies(e).simplify()));
+            return Ok(self.only_in(ahead - 1, e));
         }
         if let Op::Globally(a) = self.formulas.op(f).clone()
             && let Some(ahead) = self.formulas.ahead(a)

@@ -32,6 +32,13 @@ impl Classifier<'_> {
         (0..steps).fold(Expr::TRUE, |e, _| self.before(&e))
     }
 
+    /// The condition `e` on a single transition; `transition` is the number of those before it.
+    pub fn only_in(&mut self, transition: u32, e: Expr) -> Piece {
+        let now = self.started(transition);
+        let now = now.and(self.started(transition + 1).not());
+        Piece::Step(now.implies(e).simplify())
+    }
+
     fn before(&mut self, e: &Expr) -> Expr {
         let origin = self.origin.clone();
         match e.simplify() {

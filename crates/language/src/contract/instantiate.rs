@@ -31,7 +31,7 @@ pub(super) fn machine_arguments<'a>(
             _ => None,
         });
         properties.any(|p| p.name.text == name).then(|| {
-            format!("it is set with an operation: `perform OPERATION({name} = ...)` in the station")
+            format!("it is set where an operation is performed: `perform OPERATION({name} = ...)`")
         })
     };
     let header = &machine.header;

@@ -86,12 +86,6 @@ impl LostGame {
             .filter(|f| !f.defines)
             .collect()
     }
-
-    /// Returns the names of [`core_formulas`](Self::core_formulas).
-    pub fn core_names(&self, specification: &Specification) -> Vec<String> {
-        let core = self.core_formulas(specification).into_iter();
-        core.map(|f| f.name.clone()).collect()
-    }
 }
 
 impl WonGame {

@@ -8,7 +8,7 @@ use linewright_core::gr1::{Domain, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 
-/// Words that are taken for a random distribution.
+/// Words by which authors of machines and lines try to write a random time.
 const DISTRIBUTIONS: [&str; 7] = [
     "exponential",
     "exp",
@@ -245,7 +245,7 @@ impl Elaborator<'_> {
         }
         let help = match nearest(name, known.into_iter()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None if DISTRIBUTIONS.contains(&name) => {
+            None if self.dialect.real && DISTRIBUTIONS.contains(&name) => {
                 "only the times of a source can be random: `every random 20 s`".to_owned()
             }
             None => "declare it, or import the file that declares it".to_owned(),
