@@ -129,7 +129,7 @@ pub(super) fn form<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
 /// Parses a schema that is written by hand, and adds its definitions to the generator.
 pub(super) fn by_hand(text: &str, generator: &mut SchemaGenerator) -> Schema {
     let mut schema: Schema =
-        serde_json::from_str(text).expect("a schema is a JSON object; please report this");
+        serde_json::from_str(text).expect("a schema is not a JSON object; please report this");
     if let Some(Value::Object(definitions)) = schema.remove("$defs") {
         generator.definitions_mut().extend(definitions);
     }

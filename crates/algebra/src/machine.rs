@@ -175,7 +175,7 @@ fn wire_variable(machine: &Machine, wire: usize) -> Variable {
         name,
         owner: Owner::System,
         ..output
-            .expect("the wire belongs to this machine; please report this")
+            .expect("the wire is not one of this machine; please report this")
             .clone()
     }
 }

@@ -248,7 +248,7 @@ impl Dfa {
         let step =
             |state: &u32, letter: usize| self.step(*state, letter).filter(|to| alive[*to as usize]);
         Self::explore(self.letters, 0, states, step, |s| self.is_complete(*s))
-            .expect("trimming adds no states; please report this")
+            .expect("trimming added states; please report this")
     }
 
     /// Returns the minimal automaton with the same words and the same refused letters.
@@ -266,7 +266,7 @@ impl Dfa {
         };
         let complete = |c: &u32| self.is_complete(member[*c as usize]);
         Self::explore(self.letters, class[0], states, step, complete)
-            .expect("minimization adds no states; please report this")
+            .expect("minimization added states; please report this")
     }
 
     /// Returns the equivalence class of every state, and the number of classes. States of one class

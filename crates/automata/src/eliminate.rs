@@ -142,7 +142,7 @@ pub fn regex(dfa: &Dfa, deadline: Deadline) -> Result<Regex, BoundExceeded> {
     let found = if left.len() <= MAX_STATES_FOR_ALL_ORDERS {
         let mut best = None;
         shortest(&graph, &left, &mut best);
-        best.expect("at least one order was tried; please report this")
+        best.expect("no elimination order was tried; please report this")
     } else {
         lightest_first(graph, left, deadline)?
     };
@@ -189,7 +189,7 @@ fn lightest_first(
         deadline.check()?;
         let weights = left.iter().enumerate();
         let lightest = weights.min_by_key(|(_, state)| graph.weight(**state, &left));
-        let (place, _) = lightest.expect("`left` is not empty; please report this");
+        let (place, _) = lightest.expect("no state is left to eliminate; please report this");
         let state = left.remove(place);
         graph.eliminate(state, &left);
         if graph.between.iter().map(Regex::size).sum::<usize>()

@@ -222,15 +222,15 @@ fn is_layered(controlled: &ControlledMachine<'_>) -> bool {
     controlled.machine.layers.abstraction.is_some()
 }
 
-/// Combines a proof from contracts with the verdict of the controllers.
+/// Combines the proof from the contracts with what the composition of the controllers shows.
 struct CombinedProof<'a> {
     printer: ProofPrinter<'a>,
     span: Span,
     /// The machine as seen by the proof.
     machine: &'a Machine,
     closed: &'a ClosedComposition<'a>,
-    /// Verdict of the controllers on the same formulas; `None` if a limit was reached, and for
-    /// machines of machines.
+    /// Verdict on the composition of the controllers, for the formulas of the proof; `None` if a
+    /// limit was reached, or if the machine has inner machines.
     verdict: Option<&'a Verdict>,
     /// If there is no verdict: result of exploring the coordinator's states.
     walked: &'a Composition,

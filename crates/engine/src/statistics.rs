@@ -39,7 +39,8 @@ pub struct Statistics {
     pub predecessors: u64,
     /// Variables from the top of the diagrams to the bottom, at the start.
     pub order_before: Vec<String>,
-    /// Variables from top to bottom at the end.
+    /// Variables from the top of the diagrams to the bottom, at the end of the run; empty if a
+    /// limit was reached before.
     pub order_after: Vec<String>,
 }
 

@@ -65,7 +65,7 @@ where
             }
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
                 Err(panic) => std::panic::resume_unwind(panic),
-                Ok(()) => unreachable!("work ends with a result; please report this"),
+                Ok(()) => unreachable!("the work ended without a result; please report this"),
             },
         }
     }

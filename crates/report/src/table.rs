@@ -11,6 +11,9 @@ use std::fmt::Write as _;
 /// are judged over all of them, and a table of estimates is added. All other tables show `trace`.
 pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) -> String {
     let mut out = String::new();
+    if let Some(&[first, _, ..]) = replications.map(|r| r.seeds.as_slice()) {
+        let _ = writeln!(out, "  {:<12} seed {first}; all seeds are below", "run");
+    }
     summary(&mut out, line, trace);
     stations(&mut out, trace);
     conveyors(&mut out, trace);

@@ -379,9 +379,9 @@ impl State {
 /// same answers to every sequence of calls.
 #[derive(Debug, Clone)]
 pub struct Relevance {
-    /// By component, whether a later step reads the last value of each variable.
+    /// By component and variable: whether the next step reads the value that the variable has now.
     values: Vec<Vec<bool>>,
-    /// By wire, whether a later operation reads the wire's last value.
+    /// By wire: whether a later operation reads the value that the wire has now.
     wires: Vec<bool>,
 }
 

@@ -228,6 +228,11 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return Diagnostic::error(codes::SYNTAX, span, "a station has no processing time")
             .with_help("write it in an action of the station's machine: `time 30 s`");
     }
+    if context == Rule::bad_line_item && word == "length" {
+        return Diagnostic::error(codes::SYNTAX, span, "`length` is not given by itself").with_help(
+            "the length of a conveyor is its places times its pitch: `conveyor belt places 4 pitch 0.25 m`",
+        );
+    }
     let near = nearest(&word, words.iter().copied());
     let help = match near.ok_or_else(|| unit_meant(&word)) {
         Ok(near) if near != word => format!("did you mean `{near}`? {list}"),
@@ -451,6 +456,9 @@ fn finding_of(
     if let Some(hint) = hint {
         return finding.with_help(hint);
     }
+    if expected == "a name or `)`" && word.starts_with(|c: char| c.is_ascii_digit()) {
+        return finding.with_help("write the name of the parameter, as in `duration = 38 s`");
+    }
     if is_reserved(&word) && !expected.contains("an expression") && expected.contains("a name") {
         return finding.with_help(format!(
             "expected {expected}; `{word}` is a keyword and cannot be a name"
@@ -489,6 +497,7 @@ fn unit_meant(word: &str) -> Option<&'static str> {
         "sec" | "secs" | "second" | "seconds" => "s",
         "minute" | "minutes" | "mins" => "min",
         "hour" | "hours" | "hr" => "h",
+        "day" | "days" => "d",
         "millimeter" | "millimeters" | "millimetre" | "millimetres" => "mm",
         "meter" | "meters" | "metre" | "metres" => "m",
         "degree" | "degrees" => "deg",

@@ -177,7 +177,7 @@ impl<'a> Members<'a> {
                     sets.push(self.add(operand, loaded)?);
                 }
                 let result = operation.fold(sets);
-                Ok(result.expect("at least two operands were parsed; please report this"))
+                Ok(result.expect("fewer than two operands were parsed; please report this"))
             }
             Operand::Contract { name, selection } => {
                 let contract = find(selection, loaded)?;

@@ -40,7 +40,7 @@ fn outcome(
 ) -> Result<Outcome, Limit> {
     let result = operation
         .fold(joined.sets.clone())
-        .expect("at least two operands were parsed; please report this");
+        .expect("fewer than two operands were parsed; please report this");
     let mut outcome = Outcome {
         document: Document {
             schema: schema(operation.word()),

@@ -238,7 +238,7 @@ fn side_by_side(skills: &Skills, options: Options, regions: &[Region], emit: Emi
 
 fn json(document: &Document) -> String {
     let text = serde_json::to_string_pretty(document);
-    text.expect("a document of texts and numbers; please report this") + "\n"
+    text.expect("a document could not be written as JSON; please report this") + "\n"
 }
 
 fn document(skills: &Skills, options: Options) -> Document {

@@ -188,7 +188,9 @@ impl ClosedDecider<'_> {
             Ok(()) => true,
             Err(_) if !exact => false,
             Err(why) => {
-                panic!("the run that was found is not one of the tables: {why}; please report this")
+                panic!(
+                    "the counterexample that was found fails its replay: {why}; please report this"
+                )
             }
         }
     }

@@ -604,12 +604,12 @@ impl<'a> Prover<'a> {
 
     pub(super) fn at(&self, rule: usize) -> FormulaRef {
         let at = self.book.entries[rule].at;
-        at.expect("the rule is a formula of a contract or claim; please report this")
+        at.expect("the rule is not a formula of any contract or claim; please report this")
     }
 
     pub(super) fn component_of(&self, rule: usize) -> usize {
         let component = self.book.entries[rule].component;
-        component.expect("the rule is a formula of a component; please report this")
+        component.expect("the rule is not a formula of any component; please report this")
     }
 }
 

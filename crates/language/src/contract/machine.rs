@@ -549,7 +549,7 @@ impl Machine {
                 .map(|id| &specification.variable(id).domain)
         });
         let domain = outputs.into_iter().nth(wire - self.plant.len());
-        domain.expect("a wire of this machine; please report this")
+        domain.expect("the wire is not one of this machine; please report this")
     }
 
     /// Returns the abstraction of the machine for proofs, in which the inner machines are replaced

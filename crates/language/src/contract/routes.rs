@@ -26,6 +26,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
         }
     }
     report_never_taken(line, findings);
+    report_isolated(line, findings);
     for (part, ty) in line.parts.iter().enumerate() {
         let mut open: Vec<usize> = origins(line, part);
         if open.is_empty() && is_used(line, part) {
@@ -120,6 +121,29 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
             )
             .with_help("add a route to a sink or store"),
         );
+    }
+}
+
+/// Reports places to which no route leads, although they make no parts of their own. A station on
+/// no route at all is no mistake: it is a spare machine that only uses its idle power.
+fn report_isolated(line: &Line, findings: &mut Vec<Diagnostic>) {
+    for (node, place) in line.nodes.iter().enumerate() {
+        let needs_none = match &place.kind {
+            NodeKind::Source { .. } => true,
+            NodeKind::Store { stock } => !stock.is_empty(),
+            NodeKind::Station { .. } => !line.routes.iter().any(|r| r.from == node),
+            _ => false,
+        };
+        if !needs_none && !line.routes.iter().any(|r| r.to == node) {
+            findings.push(
+                Diagnostic::warning(
+                    codes::LINE_ROUTE,
+                    place.span,
+                    format!("no route leads to `{}`", place.name),
+                )
+                .with_help("add a route, or remove the place"),
+            );
+        }
     }
 }
 

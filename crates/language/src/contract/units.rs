@@ -69,7 +69,7 @@ impl Dimension {
             Self::Power => "a power (`W`, `kW`)",
             Self::Energy => "an energy (`J`, `kWh`)",
             Self::Mass => "a mass (`g`, `kg`)",
-            Self::Speed => "a speed (`m/s`, `mm/s`)",
+            Self::Speed => "a speed (`m/s`, `mm/s`, `m/min`, `mm/min`)",
         }
     }
 }
@@ -98,6 +98,8 @@ pub(super) fn unit(name: &str) -> (Dimension, f64) {
         "kg" => (D::Mass, 1.0),
         "mm/s" => (D::Speed, 0.001),
         "m/s" => (D::Speed, 1.0),
+        "mm/min" => (D::Speed, 0.001 / 60.0),
+        "m/min" => (D::Speed, 1.0 / 60.0),
         "%" => (D::Share, 0.01),
         _ => (D::None, 1.0),
     }
@@ -125,9 +127,9 @@ pub fn is_energy(joules: f64) -> bool {
 }
 
 /// Names of all units.
-const UNITS: &[&str] = &[
+pub(super) const UNITS: &[&str] = &[
     "ms", "s", "min", "h", "d", "mm", "cm", "m", "deg", "rad", "W", "kW", "J", "Wh", "kWh", "g",
-    "kg", "mm/s", "m/s", "%",
+    "kg", "mm/s", "m/s", "mm/min", "m/min", "%",
 ];
 
 /// Unit of a whole number in a contract.

@@ -25,9 +25,9 @@ pub(super) struct PossibleUses<'d> {
 }
 
 impl PossibleUses<'_> {
-    /// Returns whether a declaration is not reported as unused, because an error might hide a use
-    /// of it, or because it contains an error itself. `end` is the position of its last part,
-    /// `extent` is the text in which it can be used.
+    /// Returns whether an error makes it doubtful that a declaration is unused, so that it must not
+    /// be reported: an error within its scope may hide a use of it, or the declaration contains an
+    /// error itself. `end` is the position of the declaration's last part, `extent` its scope.
     fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
         let within = |span: &Span| extent.contains(*span);
         let own = name.span.to(end);

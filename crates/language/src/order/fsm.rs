@@ -217,7 +217,7 @@ impl Fsm {
             to.filter(|(_, to)| *to != REFUSED).collect()
         };
         let way = shortest(0, successors, |s| *s as usize == state);
-        way.expect("every state was reached; please report this")
+        way.expect("a state was not reached; please report this")
     }
 
     /// Returns the transitions, sorted by `from`, then by `to`. There is at most one for each pair

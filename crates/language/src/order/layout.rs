@@ -38,7 +38,7 @@ impl Layout {
     pub fn new(table: &Table) -> Self {
         let stride = table.skills.len().next_power_of_two();
         let small = |number: usize| {
-            u32::try_from(number).expect("a table has fewer entries; please report this")
+            u32::try_from(number).expect("a table has too many entries; please report this")
         };
         let mut layout = Self {
             stride,

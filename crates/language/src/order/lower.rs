@@ -258,7 +258,7 @@ impl Cases {
     fn to(&self, state: StateSetId, set: u64) -> Option<StateSetId> {
         let row = &self.after[state as usize];
         let found = row.iter().find(|(known, _)| *known == set);
-        found.expect("all sets were computed; please report this").1
+        found.expect("a set was not computed; please report this").1
     }
 
     /// Returns an expression for the state after a call. A refused call does not change the state.

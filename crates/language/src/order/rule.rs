@@ -96,7 +96,7 @@ impl Alphabet {
             return *skill;
         }
         let place = self.at_once.binary_search(&mask(event));
-        self.skills + place.expect("an event of these rules; please report this")
+        self.skills + place.expect("the event is not one of these rules; please report this")
     }
 
     /// Returns, for every letter, whether the letter is one of these events.

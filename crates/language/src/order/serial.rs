@@ -218,7 +218,7 @@ impl Serial {
                 Some((i, rest, from))
             });
             let (i, rest, from) =
-                before.expect("every state was reached from an earlier one; please report this");
+                before.expect("a state was not reached from an earlier one; please report this");
             order.push(letters[i]);
             (called, state) = (rest, from);
         }

@@ -54,8 +54,8 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         };
         let name = format!("{}_keeps_the_way_of_{kind}", declared.name);
         let text = format!(
-            "the next {kind} from {} keeps the way it has chosen until it is taken, unless no other comes",
-            declared.name
+            "the way chosen for the next {kind} from {} stays the same until a {kind} takes it, unless {} sends on no more {kind} parts",
+            declared.name, declared.name
         );
         let none = model.shape.to(place, part).len();
         let rule =

@@ -144,7 +144,7 @@ fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
             .copied()
             .enumerate()
             .max_by_key(|(place, index)| (score(*index), std::cmp::Reverse(*place)))
-            .expect("a cluster is left; please report this");
+            .expect("no cluster is left; please report this");
         left.remove(place);
         for bit in supports[index].iter() {
             present.insert(bit);

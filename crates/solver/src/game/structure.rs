@@ -23,9 +23,9 @@ const MAX_ROUNDS: usize = 30;
 /// formulas are restricted to bit codes that stand for a value of the domain.
 pub const MANY_PAIRS: usize = 48;
 
-/// Returns an order of the pairs of bits in which the variables are ordered by structure. The pairs
-/// of a variable stay together, and pairs without a variable come last. `pairs` is the total number
-/// of pairs.
+/// Orders the variables by the structure of the specification, and returns the resulting order of
+/// all `pairs` bit pairs. The pairs of a variable are adjacent. Pairs that belong to no variable
+/// come last.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);

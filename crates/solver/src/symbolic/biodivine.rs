@@ -135,7 +135,7 @@ impl Biodivine {
             node.var = BddVariable::from_index(rename(node.var.to_index()));
         }
         let shifted = Bdd::from_nodes(&nodes)
-            .expect("a renamed function depends on both bits of a pair; please report this");
+            .expect("a function to rename depends on both bits of a pair; please report this");
         self.limited(Some(shifted))
     }
 

@@ -7,9 +7,10 @@
 //! twin, with the current bit on top. Each pair, the one with the most nodes first, moves to the
 //! nearer end of the order, then to the other end, and finally to the position with the fewest
 //! nodes. A direction is abandoned when the diagrams have grown by a fifth, or when its remaining
-//! positions cannot have fewer nodes than the best one. After that, two adjacent pairs are moved as
-//! one block if swapping them would add nodes, because neither pair would move away from the other
-//! alone. A pass never ends with more nodes than it started with.
+//! positions cannot have fewer nodes than the best one. After that, adjacent
+//! pairs that seem to belong together (swapping them would add nodes) are moved as one block. Moved
+//! one at a time, such pairs tend to hold each other in place. A pass never ends with more nodes
+//! than it started with.
 //!
 //! The sifter does not work inside a kernel, but on a copy with reference counts and complement
 //! edges (the high edge is never negated). So swapping levels needs no locks, every kernel can use

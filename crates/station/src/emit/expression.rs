@@ -93,7 +93,7 @@ fn operator(name: &str) -> &'static str {
         let rest = &RUNTIME[start..];
         Some(&rest[..rest.find("\n}\n")? + 2])
     });
-    definition.expect("the runtime defines its operators; please report this")
+    definition.expect("the runtime header does not define an operator that the generated code calls; please report this")
 }
 
 /// Simplifies constant parts of an expression. Arithmetic that could overflow an `int64_t` stays

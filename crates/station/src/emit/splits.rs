@@ -255,7 +255,7 @@ fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
         }
     }
     let (_, input, bound) =
-        found.expect("guards with different leaves are disjoint; please report this");
+        found.expect("guards with different leaves overlap; please report this");
     (input, bound)
 }
 

@@ -68,7 +68,7 @@ impl Walks {
             // places stays within the share of its bits in all decisions.
             let mut taken = builder
                 .walks(part(1), usize::MAX)
-                .expect("a walk for a single bit has no limit; please report this");
+                .expect("a walk for a single bit reached a limit; please report this");
             let mut count = 1;
             while begin + count < bits && order.pairs().len() <= MAX_PAIRS {
                 let max_places = (decisions * (count + 1) / bits).max(MIN_PLACES);

@@ -36,6 +36,8 @@ pub(super) fn definition(unit: &str) -> Option<Definition> {
         "kg" => (MASS, 1.0),
         "mm/s" => (SPEED, 0.001),
         "m/s" => (SPEED, 1.0),
+        "mm/min" => (SPEED, 0.001 / 60.0),
+        "m/min" => (SPEED, 1.0 / 60.0),
         "%" => (&[][..], 0.01),
         _ => return None,
     };

@@ -160,7 +160,7 @@ impl Reader {
         let dump = self
             .sessions
             .last_mut()
-            .expect("a session; please report this");
+            .expect("no session was recorded; please report this");
         match word {
             "platform" => dump.platform = shortened(rest),
             "pointers" if rest == "64" => {}

@@ -488,18 +488,29 @@ fn wide(
     if let Some(tag) = time {
         let _ = write!(shown, ", time {tag}");
     }
-    let optional = slots
-        .iter()
-        .any(|s| matches!(s.value.kind(), Kind::Boolean | Kind::Time));
+    let unknown: Vec<&str> = [
+        ("Boolean values", Kind::Boolean, boolean),
+        ("times", Kind::Time, time),
+    ]
+    .into_iter()
+    .filter(|(_, kind, tag)| tag.is_none() && slots.iter().any(|s| s.value.kind() == *kind))
+    .map(|(words, ..)| words)
+    .collect();
+    let mut why = "all values of the same kind have the same tag".to_owned();
+    if !unknown.is_empty() {
+        let _ = write!(
+            why,
+            ", but {} have no tag of their own",
+            unknown.join(" and ")
+        );
+    } else if boolean.is_none() && time.is_none() {
+        why.push_str("; no Boolean values or times were passed");
+    }
     facts.push(Fact {
         what: "tags",
         found: shown,
         sure: Confidence::Certain,
-        why: if optional {
-            "all values of a kind have its tag".to_owned()
-        } else {
-            "all values of a kind have its tag; no Boolean values or times were passed".to_owned()
-        },
+        why,
     });
     Tag {
         offset: start as u32,

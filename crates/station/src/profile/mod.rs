@@ -148,7 +148,8 @@ impl Layout {
 
     /// Returns 16 hexadecimal digits that identify the complete layout.
     pub fn fingerprint(&self) -> String {
-        let text = serde_json::to_string(self).expect("a layout is plain data; please report this");
+        let text = serde_json::to_string(self)
+            .expect("a layout could not be written as JSON; please report this");
         super::emit::hex(&Sha256::digest(text))[..16].to_owned()
     }
 }

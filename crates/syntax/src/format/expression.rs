@@ -157,7 +157,9 @@ impl Printer<'_> {
                 self.bound(bound.as_deref());
             }
             ExprKind::Binary(..) | ExprKind::Since(..) | ExprKind::Until(..) => {
-                unreachable!("a chain is printed as one; please report this")
+                unreachable!(
+                    "the operators of a chain were printed one at a time; please report this"
+                )
             }
             ExprKind::If(..) => self.ladder(e, behind),
             ExprKind::Quantifier(kind, name, domain, body) => {

@@ -283,8 +283,8 @@ impl Monitors {
         self.define(&mut specification.guarantees);
     }
 
-    /// Returns obligations that hold exactly if the pattern holds in the scope. The file named
-    /// after each pattern gives its meaning in temporal logic.
+    /// Returns obligations that hold exactly if the pattern holds in the scope. For the meaning of
+    /// a pattern in temporal logic, see the module of the same name, such as `absence`.
     pub fn pattern(
         &mut self,
         pattern: &Pattern,

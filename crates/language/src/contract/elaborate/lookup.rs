@@ -2,6 +2,7 @@
 
 use super::records::member;
 use super::{Elaborator, nearest};
+use crate::contract::units::UNITS;
 use crate::contract::value::{Dimension, Term, Type, Value, unit};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Domain, Time};
@@ -244,6 +245,9 @@ impl Elaborator<'_> {
             }
         }
         let help = match nearest(name, known.into_iter()) {
+            _ if UNITS.contains(&name) => format!(
+                "`{name}` is a unit, and has to follow a number; the units of speed are `m/s`, `mm/s`, `m/min` and `mm/min`"
+            ),
             Some(near) => format!("did you mean `{near}`?"),
             None if self.dialect.real && DISTRIBUTIONS.contains(&name) => {
                 "only the times of a source can be random: `every random 20 s`".to_owned()

@@ -277,7 +277,7 @@ impl<'l> Places<'l> {
         expr.substitute(&mut |w, time| {
             let value = self
                 .wire(w.index())
-                .expect("a requested wire; please report this");
+                .expect("a requested wire was not declared; please report this");
             at(&value, time)
         })
     }
@@ -300,7 +300,7 @@ impl<'l> Places<'l> {
         let (part, first) = firsts
             .take_while(|(_, first)| *first <= wire)
             .last()
-            .expect("a wire of this machine; please report this");
+            .expect("the wire is not one of this machine; please report this");
         self.output(index, part, wire - first)
     }
 }
@@ -366,7 +366,7 @@ fn assemble(
     }
     let wire = |w: usize| {
         let value = values[w].as_ref();
-        RealExpr::of_wires(value.expect("a requested wire; please report this"))
+        RealExpr::of_wires(value.expect("a requested wire was not declared; please report this"))
     };
     let writes = match how {
         NestedTreatment::Flat => old

@@ -117,8 +117,7 @@ pub(super) fn nested<'a>(
     let values: Option<Vec<Expr>> = visible.iter().map(value).collect();
     let nested = Nested {
         name: c.name.text.clone(),
-        values: values
-            .expect("a flat machine has a value for every visible item; please report this"),
+        values: values.expect("a visible item of a flat machine has no value; please report this"),
         flat: flat.machine,
         visible,
         properties: Vec::new(),

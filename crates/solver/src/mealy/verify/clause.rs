@@ -16,8 +16,8 @@ pub enum Clause {
     MissingTarget,
     /// Every transition has one value for each output port.
     OutputCount,
-    /// The values of every transition lie in the domains of their ports; carries the name of a
-    /// port.
+    /// Every value of a transition lies in the domain of its port. The variant carries the name of
+    /// a port for which this is violated.
     Domain(String),
     /// Guards refer to existing input ports.
     UnknownInput,
