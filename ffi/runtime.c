@@ -65,18 +65,18 @@ static uint64_t lw_entropy(void)
 /* ---- Instances ------------------------------------------------------------------------------- */
 
 /* A handle consists of 10 bits of the machine's mark, 11 bits of generation and 10 bits of place. A
- * place whose generations are used up is not reused. A model can hold handles that were saved in
- * another process, or before the library was reloaded; such a handle must not reach an instance.
- * Generation and place therefore begin at other numbers each time the library is loaded: the
- * probability that an old handle equals the handle of a given new instance is one in two
- * million. */
+ * place whose generations are used up waits until those of all free places are; then they begin
+ * again. A model can hold handles that were saved in another process, or before the library was
+ * reloaded; such a handle must not reach an instance. Generation and place therefore begin at other
+ * numbers each time the library is loaded: the probability that an old handle equals the handle of
+ * a given new instance is one in two million. */
 #define LW_SLOTS 1024
 #define LW_GENERATIONS 2047
 
 typedef struct lw_slot {
     lw_lock lock;
     int live;
-    int32_t generation;
+    int32_t generation; /* 0 if the place has used no generation yet, or begins again */
     int32_t verdict; /* result of the last step or operation: 0 or an error code */
     int has_results; /* whether `service` and `properties` hold the results of an operation */
     lw_stored_state state;
@@ -127,13 +127,37 @@ static void lw_begin_handles(void)
 /* The generation that follows another one. */
 static int32_t lw_next_generation(int32_t generation)
 {
-    return generation % LW_GENERATIONS + 1;
+    return generation == 0 ? lw_first_generation : generation % LW_GENERATIONS + 1;
 }
 
-/* The generation before the first one: a place that reaches it is used up. */
-static int32_t lw_last_generation(void)
+/* Whether the generations of a place are used up: the next one would be the first. */
+static int lw_is_used_up(const lw_slot *slot)
 {
-    return lw_first_generation == 1 ? LW_GENERATIONS : lw_first_generation - 1;
+    return slot->generation != 0 && lw_next_generation(slot->generation) == lw_first_generation;
+}
+
+/* The first place below `used` that is free and not used up; `used` if there is none. The table is
+ * locked. */
+static int lw_free_place(int used)
+{
+    int place = 0;
+    while (place < used && (lw_slots[place].live || lw_is_used_up(&lw_slots[place]))) {
+        place++;
+    }
+    return place;
+}
+
+/* Lets the generations of all free places that are used up begin again. The table is locked. */
+static void lw_renew_places(void)
+{
+    for (int place = 0; place < LW_SLOTS; place++) {
+        lw_slot *slot = &lw_slots[place];
+        lw_lock_take(&slot->lock);
+        if (!slot->live && lw_is_used_up(slot)) {
+            slot->generation = 0;
+        }
+        lw_lock_give(&slot->lock);
+    }
 }
 
 /* Expands the stored state of an instance for computations. */
@@ -243,13 +267,15 @@ int32_t lw_operation_count(void)
 
 lw_handle lw_create(void)
 {
-    int place = 0;
+    int place;
     int used;
     lw_handle handle;
     lw_lock_take(&lw_table_lock);
     used = (int)lw_read(&lw_slots_used);
-    while (place < used && (lw_slots[place].live || lw_slots[place].generation == lw_last_generation())) {
-        place++;
+    place = lw_free_place(used);
+    if (place == LW_SLOTS) {
+        lw_renew_places();
+        place = lw_free_place(used);
     }
     if (place == LW_SLOTS) {
         lw_last_library_error = LW_LIBRARY_FULL;
@@ -261,7 +287,7 @@ lw_handle lw_create(void)
         if (lw_first_generation == 0) {
             lw_begin_handles();
         }
-        slot->generation = lw_last_generation();
+        slot->generation = 0;
         lw_lock_create(&slot->lock);
         lw_set(&lw_slots_used, used + 1);
     }

@@ -7,11 +7,12 @@
  * Handles.  `lw_create` returns the handle of a new instance, a number above 0 that fits 31 bits.
  * It contains a mark of the library and a generation, so that functions return LW_ERROR_HANDLE for
  * a handle of another machine, for a handle of a destroyed instance, and for a handle that was
- * never issued. Handles begin at another number each time the library is loaded: the chance that a
- * handle from an earlier load is valid is one in two million for each existing instance. There are
- * 1023 marks, so two machines have the same mark with a probability of one in a thousand. Two
- * copies of one library file have separate instances but the same mark: load the library from one
- * path only. A library holds up to 1024 instances at a time.
+ * never issued. A handle is issued again after 2047 others at the earliest; if only few instances
+ * exist at a time, after two million. Handles begin at another number each time the library is
+ * loaded: the chance that a handle from an earlier load is valid is one in two million for each
+ * existing instance. There are 1023 marks, so two machines have the same mark with a probability of
+ * one in a thousand. Two copies of one library file have separate instances but the same mark: load
+ * the library from one path only. A library holds up to 1024 instances at a time.
  *
  * Errors.  Every function that can fail returns a negative code; `lw_last_error` then returns a
  * text that describes the error. A failed call leaves the instance unchanged, except for

@@ -171,9 +171,12 @@ pub fn prove_machine(
     }
     if let Ok(verdict) = &decided {
         // The proof represents inner machines by their contracts; the closed composition has the
-        // controllers of all layers.
+        // controllers of all layers. The two can come to the same finding.
         if is_layered(controlled) {
-            both.report_open(verdict, &[], &mut result.findings);
+            let mut open = Vec::new();
+            both.report_open(verdict, &[], &mut open);
+            open.retain(|finding| !result.findings.contains(finding));
+            result.findings.append(&mut open);
         }
         let operations = closed::operations(&closed, verdict, context);
         result.findings.extend(operations);

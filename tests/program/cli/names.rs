@@ -4,6 +4,7 @@
 use super::session::Session;
 use crate::support::root;
 use std::collections::BTreeSet;
+use std::process::Command;
 
 const BELT: &str = "input a: bool\n output b: bool\n guarantee follows: always (b <-> a)";
 
@@ -191,4 +192,75 @@ fn the_probe_is_no_unit() {
     let built = session.run("build --probe --target fmu");
     assert_eq!(built.code, 2);
     assert!(built.err.contains("--target windows"), "{}", built.err);
+}
+
+/// Whatever headers a host includes before.
+#[test]
+fn ports_that_are_named_like_macros_of_c_compile() {
+    let session = Session::new();
+    let text = "contract N {
+        input errno, NAN, EOF, SIGTERM, complex: bool
+        output stdout, I, E2BIG, EMPTY, DBL_MAX: bool
+        guarantee first: always (stdout <-> errno) and always (I <-> NAN) and always (E2BIG <-> EOF)
+        guarantee second: always (EMPTY <-> SIGTERM) and always (DBL_MAX <-> complex)
+    }";
+    std::fs::write(session.path("n.lw"), text).expect("a file");
+    let emitted = session.run("synth n.lw --emit c --out out");
+    assert_eq!(emitted.code, 0, "{}", emitted.err);
+    let headers = ["complex", "errno", "float", "math", "signal", "stdio"];
+    let includes: String = headers.map(|h| format!("#include <{h}.h>\n")).concat();
+    let host = session.path("out/host.c");
+    std::fs::write(&host, format!("{includes}#include \"N.c\"\n")).expect("a file");
+    let output = Command::new("cc")
+        .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-c", "-o"])
+        .arg(session.path("out/host.o"))
+        .arg(&host)
+        .output()
+        .expect("a compiler");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+}
+
+/// The proof from the contracts and the composition of the controllers come to the same finding.
+#[test]
+fn an_assumption_that_is_not_met_in_a_nested_machine_is_reported_once() {
+    let session = Session::new();
+    let text = "
+        moore contract Single {
+            input job: bool
+            output busy, done: bool
+            assume held: always (job and not done -> next job)
+            guarantee start: not busy and not done
+            guarantee goes: always (next busy <-> job and not busy and not done)
+            guarantee reports: always (next done <-> busy)
+        }
+        contract Work {
+            input asked: bool
+            output finished: bool
+            guarantee reports: always (finished <-> asked)
+        }
+        moore contract Once {
+            input job: bool
+            output ask, done: bool
+            guarantee start: not ask and not done
+            guarantee asks: always (next ask <-> job and not ask and not done)
+            guarantee reports: always (next done <-> ask)
+        }
+        machine Inner {
+            coordinator control: Single { job = operation = go }
+            action work: Work when control.busy { asked = control.busy }
+            operation go: work
+            done control.done
+        }
+        machine Outer {
+            coordinator control: Once { job = operation = run }
+            machine inner: Inner { operation = if control.ask then go else none }
+            operation run: inner.go
+            done control.done
+        }";
+    std::fs::write(session.path("nested.lw"), text).expect("a file");
+    let checked = session.run("check nested.lw");
+    assert_eq!(checked.code, 1, "{}", checked.err);
+    let said = checked.out + &checked.err;
+    assert_eq!(said.matches("error[LW303]").count(), 1, "{said}");
 }

@@ -54,7 +54,7 @@ fn truth(random: &mut Random, depth: u32) -> Expr {
         BinaryOp::Gt,
         BinaryOp::Ge,
     ];
-    match random.below(10) {
+    match random.below(11) {
         0..=3 => op(
             connectives[random.below(5) as usize],
             truth(random, d),
@@ -71,6 +71,17 @@ fn truth(random: &mut Random, depth: u32) -> Expr {
             Box::new(truth(random, d)),
             Box::new(truth(random, d)),
         ),
+        9 => {
+            // Equal sides but for the order of the operands, of which compilers warn.
+            let commutes = [BinaryOp::Add, BinaryOp::Mul, BinaryOp::Min, BinaryOp::Max];
+            let sign = commutes[random.below(4) as usize];
+            let (a, b) = (number(random, 0), number(random, 0));
+            op(
+                comparisons[random.below(6) as usize],
+                op(sign, a.clone(), b.clone()),
+                op(sign, b, a),
+            )
+        }
         _ => {
             // A chain, which must not nest.
             let sign = connectives[random.below(2) as usize];

@@ -130,9 +130,14 @@ fn simplify(expr: &Expr) -> Expr {
                     a.not()
                 }
                 (BinaryOp::Eq, Some(0), _) if is_truth(&b) => b.not(),
-                (BinaryOp::Eq | BinaryOp::Le | BinaryOp::Ge, _, _) if a == b => Expr::TRUE,
-                (BinaryOp::Ne | BinaryOp::Lt | BinaryOp::Gt, _, _) if a == b => Expr::FALSE,
-                _ => Expr::binary(*op, a, b),
+                (BinaryOp::Eq | BinaryOp::Le | BinaryOp::Ge, _, _) if is_same(&a, &b) => Expr::TRUE,
+                (BinaryOp::Ne | BinaryOp::Lt | BinaryOp::Gt, _, _) if is_same(&a, &b) => {
+                    Expr::FALSE
+                }
+                _ => match comparison(*op).and_then(|_| decided(*op, &a, &b)) {
+                    Some(holds) => Expr::Const(holds.into()),
+                    None => Expr::binary(*op, a, b),
+                },
             }
         }
         Expr::If(c, a, b) => {
@@ -152,6 +157,43 @@ fn simplify(expr: &Expr) -> Expr {
         return Expr::Const(eval::eval(&simple, &[], &[]));
     }
     simple
+}
+
+/// Returns whether two expressions are equal but for the order of the operands of commutative
+/// operators. Compilers warn of a comparison of such expressions.
+fn is_same(a: &Expr, b: &Expr) -> bool {
+    use BinaryOp as B;
+    match (a, b) {
+        (Expr::Unary(op, a), Expr::Unary(other, b)) => op == other && is_same(a, b),
+        (Expr::Binary(op, a1, a2), Expr::Binary(other, b1, b2)) if op == other => {
+            let commutes = matches!(
+                op,
+                B::Add | B::Mul | B::Min | B::Max | B::And | B::Or | B::Eq | B::Ne
+            );
+            (is_same(a1, b1) && is_same(a2, b2)) || (commutes && is_same(a1, b2) && is_same(a2, b1))
+        }
+        _ => a == b,
+    }
+}
+
+/// Returns the result of a comparison that is the same for all values of the variables. Compilers
+/// warn of some of these, such as of `if x then 1 else 2` and a number of more than 32 bits.
+fn decided(op: BinaryOp, a: &Expr, b: &Expr) -> Option<bool> {
+    const ANY: Interval = Interval {
+        low: -(1 << 62),
+        high: 1 << 62,
+    };
+    let (a, b) = (interval(a, &|_| ANY).ok()?, interval(b, &|_| ANY).ok()?);
+    let (below, above) = (a.high < b.low, a.low > b.high);
+    match op {
+        BinaryOp::Eq if below || above => Some(false),
+        BinaryOp::Ne if below || above => Some(true),
+        BinaryOp::Lt | BinaryOp::Le if below => Some(true),
+        BinaryOp::Lt | BinaryOp::Le if above => Some(false),
+        BinaryOp::Gt | BinaryOp::Ge if below => Some(false),
+        BinaryOp::Gt | BinaryOp::Ge if above => Some(true),
+        _ => None,
+    }
 }
 
 fn constant(expr: &Expr) -> Option<i64> {

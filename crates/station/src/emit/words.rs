@@ -72,8 +72,44 @@ const RESERVED: [&str; 66] = [
     "alignas",
 ];
 
-/// Whether the included headers, or a compiler with extensions, can define the name.
+/// Whether a header of the standard library (C99, section 7 and "Future library directions"), or a
+/// compiler with extensions, can define the name as a macro without arguments.
 fn is_macro(word: &str) -> bool {
+    const STANDARD: [&str; 29] = [
+        "BUFSIZ",
+        "CHAR_BIT",
+        "CLOCKS_PER_SEC",
+        "DECIMAL_DIG",
+        "HUGE_VAL",
+        "HUGE_VALF",
+        "HUGE_VALL",
+        "I",
+        "INFINITY",
+        "L_tmpnam",
+        "MATH_ERREXCEPT",
+        "MATH_ERRNO",
+        "NAN",
+        "NDEBUG",
+        "SEEK_CUR",
+        "SEEK_END",
+        "SEEK_SET",
+        "complex",
+        "errno",
+        "false",
+        "imaginary",
+        "math_errhandling",
+        "noreturn",
+        "stderr",
+        "stdin",
+        "stdout",
+        "true",
+        "_Complex_I",
+        "_Imaginary_I",
+    ];
+    // Prefixes that the standard reserves if a capital letter, or after `E` a digit, follows.
+    const PREFIXES: [&str; 10] = [
+        "E", "FE_", "FP_", "LC_", "SIG", "SIG_", "DBL_", "FLT_", "LDBL_", "MB_",
+    ];
     const OTHERS: [&str; 8] = [
         "NULL",
         "alignas",
@@ -95,7 +131,15 @@ fn is_macro(word: &str) -> bool {
         "LINEWRIGHT",
     ];
     let ends = |endings: &[&str]| endings.iter().any(|e| word.ends_with(e));
+    let follows = |prefix: &&str| {
+        let next = word
+            .strip_prefix(*prefix)
+            .and_then(|rest| rest.chars().next());
+        next.is_some_and(|c| c.is_ascii_uppercase() || *prefix == "E" && c.is_ascii_digit())
+    };
     OTHERS.contains(&word)
+        || STANDARD.contains(&word)
+        || PREFIXES.iter().any(follows)
         || ends(&["_t"])
         || LIMITS.iter().any(|l| word.starts_with(l))
             && ends(&["_MAX", "_MIN", "_WIDTH", "_C", "_H"])

@@ -226,39 +226,48 @@ void check_generations(const library *lib)
     all_different(handles, (size_t)count);
 }
 
-/* A library that was just loaded, until every place has been used as often as it can be: no handle comes twice, and at the end there is an error. */
+/* A library that was just loaded: until the generations of all places are used up, no handle comes twice. Then they come again in the same
+ * order, apart from those of the second place, whose last instance is still there, and all places can be in use. */
 void use_up_generations(const library *lib)
 {
-    const size_t most = (size_t)1 << 24;
-    size_t count = 0;
+    const size_t most = (size_t)MOST_INSTANCES * GENERATIONS;
+    const size_t kept = (size_t)2 * GENERATIONS - 1;
+    lw_handle many[MOST_INSTANCES];
     char text[TEXT_ROOM];
     lw_handle *handles = malloc(most * sizeof *handles);
     if (handles == NULL) {
         fail("there is no memory for the handles");
     }
-    while (count < most) {
-        lw_handle handle = lib->create();
-        if (handle == LW_ERROR_MEMORY) {
-            break;
+    for (size_t i = 0; i < most; i++) {
+        handles[i] = instance(lib);
+        if (i != kept) {
+            end(lib, handles[i]);
         }
-        if (handle <= 0) {
-            fail("lw_create: expected a handle or %d, saw %d", (int)LW_ERROR_MEMORY, (int)handle);
-        }
-        end(lib, handle);
-        handles[count] = handle;
-        count++;
     }
-    if (count == most) {
-        fail("lw_create gives more handles than there are generations");
-    }
-    same((int64_t)MOST_INSTANCES * GENERATIONS, (int64_t)count, "instances until all generations are used");
-    lib->last_error(0, text, sizeof text);
-    holds(text, "all slots for instances are in use", "lw_create with all generations used");
-    for (size_t i = 0; i < count; i += count / 97 + 1) {
+    for (size_t i = 0; i < most; i += most / 97 + 1) {
         refuse_handle(lib, handles[i], "a handle whose instance has ended");
     }
-    say("%ld instances one after the other, until all generations are used", (long)count);
-    all_different(handles, count);
+    for (size_t i = 0; i < (size_t)3 * GENERATIONS; i++) {
+        lw_handle handle = instance(lib);
+        same(handles[i < GENERATIONS ? i : i + GENERATIONS], handle, "a handle after all generations were used");
+        end(lib, handle);
+    }
+    for (int i = 1; i < MOST_INSTANCES; i++) {
+        many[i] = instance(lib);
+    }
+    same(LW_ERROR_MEMORY, lib->create(), "lw_create with all places in use");
+    lib->last_error(0, text, sizeof text);
+    holds(text, "all slots for instances are in use", "lw_create with all places in use");
+    for (int i = 1; i < MOST_INSTANCES; i++) {
+        end(lib, many[i]);
+    }
+    first_lines(lib, handles[kept], 4);
+    end(lib, handles[kept]);
+    for (int i = 0; i < GENERATIONS; i++) {
+        end(lib, instance(lib));
+    }
+    say("%ld instances one after the other, until all generations are used", (long)most);
+    all_different(handles, most);
     free(handles);
 }
 

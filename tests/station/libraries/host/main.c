@@ -180,7 +180,6 @@ int main(int argc, char **argv)
         library_close(&lib);
         library_open(&lib, argv[1]);
         use_up_generations(&lib);
-        /* Nothing can be made any more, until the library is loaded anew. */
         library_close(&lib);
         library_open(&lib, argv[1]);
         check_plan(&lib);
