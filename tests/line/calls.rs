@@ -384,7 +384,6 @@ fn time_has_to_pass_between_stores_too() {
     product P
     source s: P on order
     sink k
-    sink l
     source q: Q on order
     station m: Any {{ perform take on P  perform take on Q }}
     route P: s -> m -> k
@@ -392,7 +391,7 @@ fn time_has_to_pass_between_stores_too() {
 "
         )
     };
-    let said = open(&line("    route Q: q -> l\n"), &["LW416"], &[]);
+    let said = open(&line("    sink l\n    route Q: q -> l\n"), &["LW416"], &[]);
     assert!(said.contains("from q to l"), "{said}");
     open(
         &line("    store a\n    route Q: q -> a -> a\n"),
@@ -407,13 +406,15 @@ fn time_has_to_pass_between_stores_too() {
     proved(&line("    store b\n    route Q: q -> m -> b\n"), &[]);
     // A store is never full, whatever leaves it; its initial stock is finite.
     let said = open(
-        &line("    store a\n    route Q: q -> a -> m -> l\n"),
+        &line("    store a\n    sink l\n    route Q: q -> a -> m -> l\n"),
         &["LW416"],
         &[],
     );
     assert!(said.contains("from q to a"), "{said}");
     proved(
-        &line("    store a: 3 P\n    store b\n    route Q: q -> m -> b\n    route P: a -> l\n"),
+        &line(
+            "    store a: 3 P\n    store b\n    route Q: q -> m -> b\n    sink l\n    route P: a -> l\n",
+        ),
         &["stock_of_P_at_a"],
     );
 }

@@ -170,10 +170,10 @@ fn never_begins(
 ) -> Diagnostic {
     let assumptions: Vec<String> = by.iter().map(|at| assumed(closed, *at)).collect();
     let forbids = match assumptions.as_slice() {
-        [] => "the assumptions forbid it in every state".to_owned(),
-        [one] => format!("{one} forbids it in every state"),
+        [] => "the assumptions prevent it".to_owned(),
+        [one] => format!("{one} prevents it"),
         [several @ .., last] => {
-            format!("{} or {last} forbids it in every state", several.join(", "))
+            format!("{} and {last} prevent it", several.join(", "))
         }
     };
     let mut finding = Diagnostic::error(

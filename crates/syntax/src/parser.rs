@@ -292,8 +292,8 @@ fn operator_at(text: &str) -> String {
     sign.map_or_else(|| word_at(text), str::to_owned)
 }
 
-/// Returns whether a piece begins with an operator, so that the expression before it is not the one
-/// that the author meant.
+/// Returns whether a piece begins with an operator or a closing bracket, so that the expression
+/// before it is not the one that the author meant.
 pub(super) fn begins_with_operator(text: &str) -> bool {
     text.starts_with([
         ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',

@@ -201,7 +201,7 @@ fn uncontrolled_assumptions(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Dia
                 ),
             )
             .with_help(format!(
-                "let {parts} guarantee what is assumed about {variables}, or refer to the previous step"
+                "let {parts} guarantee what is assumed about {variables}, or let the assumption mention the values of the previous step"
             )),
         );
     }

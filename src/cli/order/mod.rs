@@ -88,8 +88,8 @@ pub struct Choice {
     /// every order must be allowed
     #[arg(long)]
     pub some_order: bool,
-    /// Follow the published model: delete exactly the transitions that a rule lists under
-    /// `deletes`, and ignore its formula
+    /// Follow the model published by Brandenbourger, Vathoopan and Zoitl: delete exactly the
+    /// transitions that a rule lists under `deletes`, and ignore its formula
     #[arg(long)]
     pub paper: bool,
 }

@@ -302,7 +302,6 @@ fn what_forbids_an_operation_for_ever_is_named() {
         .replace("order tidy [R-7]: never", "order tidy [R-7]: at most 0 of")
         .replace("Left, Right twice in a row", "Left");
     let document = checked(&text).to_string();
-    let shown =
-        "the operation `left` can never begin: the order `tidy` (R-7) forbids it in every state";
+    let shown = "the operation `left` can never begin: the order `tidy` (R-7) prevents it";
     assert!(document.contains(shown), "{document}");
 }

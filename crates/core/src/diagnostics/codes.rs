@@ -76,7 +76,7 @@ codes! {
     IMPORT_CIRCULAR = "LW003", "files import each other (circular import)";
     IMPORT_MISSING = "LW004", "an imported file does not exist";
     NOTATION = "LW005", "another tool's notation means something unusual";
-    OWN_TOOL = "LW006", "a specification's own tool gives another answer";
+    OWN_TOOL = "LW006", "the tool of a file's format gives another answer";
     INTERNAL = "LW007", "linewright itself failed";
 
     NAME_UNKNOWN = "LW101", "a name is not declared";

@@ -291,8 +291,8 @@ impl Task {
         let examines = entry.realizable && self.examines(large);
         let explains = !entry.realizable && self.job.goal > Goal::Answer;
         let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
-        // The findings of an entry are about all assumptions of the specification, not about those
-        // in the file alone.
+        // If assumptions were added to those of the source file (`own`), the findings of this job
+        // are about the latter alone. Those of an entry are about all assumptions.
         let differs = examines && self.job.own.is_some();
         if differs
             || extracts && !entry.extracted

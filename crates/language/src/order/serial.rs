@@ -18,8 +18,9 @@ pub const MAX_AT_ONCE: usize = 16;
 /// Number of a set of states of a rule's automaton, assigned by [`Serial`].
 pub type StateSetId = u32;
 
-/// A rule's automaton that reads calls instead of letters. Its states are sets of states of the
-/// rule's automaton, and are found on demand. The result of each call is cached.
+/// Wraps the automaton of a rule so that it reads calls instead of letters. A state of the wrapper
+/// is a set of states of the wrapped automaton, and is created on demand. The result of each call
+/// is cached.
 #[derive(Debug, Clone)]
 pub struct Serial {
     dfa: Dfa,

@@ -163,7 +163,7 @@ fn detour(skills: &Skills, word: &[usize], level: Level) -> Rule {
 }
 
 fn derived(level: Level, name: String, body: &str, kind: Kind) -> Rule {
-    // Rules in a file apply from the level valid on, or only at the level reasonable.
+    // A rule in a file applies from the level `valid` upwards, unless it is marked `at reasonable`.
     let at = match level {
         Level::Arbitrary | Level::Valid => String::new(),
         Level::Reasonable => format!(" at {}", level.keyword()),

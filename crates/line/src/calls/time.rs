@@ -38,7 +38,7 @@ struct Edge {
     always_free: bool,
 }
 
-/// The graph of a walk, with the edges that take no time.
+/// The graph of a walk, in which each edge tells whether it can take no time, or never takes any.
 struct Timed<'a> {
     walk: &'a Walk<'a>,
     edges: Vec<Vec<Edge>>,

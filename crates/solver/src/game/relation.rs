@@ -115,7 +115,8 @@ impl<K: Kernel> Relation<K> {
 }
 
 /// Returns the order in which a product uses clusters with these supports. The next cluster is
-/// always the one that allows the most bits to be quantified and introduces the fewest new bits.
+/// the one with the highest score: twice the number of bits that can then be quantified, minus the
+/// number of new bits.
 /// Clusters without bits to quantify come last, when the product is smallest.
 fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     let mut left: Vec<usize> = (0..supports.len()).collect();

@@ -7,7 +7,7 @@ use super::interface::Port;
 use super::{Type, Width};
 use std::fmt::Write;
 
-/// Width of a variable that holds the numbers of all these ports.
+/// Width of a variable that can hold the value of any of these ports, encoded as a number.
 pub(super) fn width(ports: &[Port<'_>]) -> Width {
     let widths = ports.iter().map(|p| match &p.kind {
         Type::Integer(width) => *width,
@@ -16,7 +16,8 @@ pub(super) fn width(ports: &[Port<'_>]) -> Width {
     widths.max().unwrap_or(Width::Int)
 }
 
-/// Statements that store the number of a port in `target`, a variable of this width.
+/// Statements that store the value of a port, encoded as a number, in `target`, a variable of this
+/// width.
 pub(super) fn read(port: &Port<'_>, target: &str, width: Width) -> String {
     let name = &port.name;
     match &port.kind {

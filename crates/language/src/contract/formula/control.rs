@@ -49,7 +49,7 @@ pub(super) fn controls(
     let text = format::format_expression(whole);
     let help = match kind {
         _ if looks_back => format!(
-            "the plant sets its inputs before it sees `{first}` of the same step: refer to `previous {first}`, or write `guarantee {text}` if the machine has to ensure this"
+            "an assumption cannot depend on `{first}` of the same step: refer to `previous {first}`, or write `guarantee {text}` if the machine has to ensure this"
         ),
         FormulaKind::Initial => {
             format!(
@@ -57,7 +57,7 @@ pub(super) fn controls(
             )
         }
         FormulaKind::Safety => format!(
-            "the plant sets its next inputs before it sees `next {first}`: refer to the current `{first}`, or write `guarantee {text}` if the machine has to ensure this"
+            "an assumption cannot depend on `next {first}`: refer to the current `{first}`, or write `guarantee {text}` if the machine has to ensure this"
         ),
         _ => format!(
             "write `guarantee {text}` if the machine has to ensure this; to describe how the plant reacts to `{first}`, write `assume always ({first} ... -> next input ...)`"
