@@ -88,8 +88,8 @@ static int32_t lw_fmi_tick(lw_state *state, lw_fmi_unit *unit, lw_error *error)
     lw_state before = *state;
     int32_t code = LW_OK;
     if (!unit->enabled) {
-        unit->seconds += LW_STEP_SECONDS;
-        unit->joules += LW_STEP_SECONDS * LW_FMI_IDLE_WATTS;
+        unit->seconds += LW_FMI_STEP_SECONDS;
+        unit->joules += LW_FMI_STEP_SECONDS * LW_FMI_IDLE_WATTS;
         return LW_OK;
     }
     if (!unit->running) {
@@ -345,7 +345,7 @@ static void lw_fmi_set_up(lw_fmi_call *call, double start, int ends, double end)
 
 static double lw_fmi_now(const lw_fmi_unit *unit)
 {
-    return unit->began + (double)unit->ticks * LW_STEP_SECONDS;
+    return unit->began + (double)unit->ticks * LW_FMI_STEP_SECONDS;
 }
 
 /* Makes a communication step. The host computes points in time by summation, so they are compared
@@ -353,10 +353,10 @@ static double lw_fmi_now(const lw_fmi_unit *unit)
  * machine steps, within a millionth of a step. */
 static void lw_fmi_step(lw_fmi_call *call, double at, double size)
 {
-    double ticks = size / LW_STEP_SECONDS;
+    double ticks = size / LW_FMI_STEP_SECONDS;
     double now = lw_fmi_now(call->unit);
     int32_t code;
-    if (!(isfinite(at) && fabs(at - now) <= 0.5 * LW_STEP_SECONDS)) {
+    if (!(isfinite(at) && fabs(at - now) <= 0.5 * LW_FMI_STEP_SECONDS)) {
         lw_fmi_refuse(call, "the step does not begin at the end of the previous step");
         return;
     }
@@ -370,7 +370,7 @@ static void lw_fmi_step(lw_fmi_call *call, double at, double size)
                             " s, the machine's step");
         return;
     }
-    if (call->unit->ends && at + size > call->unit->end + 0.5 * LW_STEP_SECONDS) {
+    if (call->unit->ends && at + size > call->unit->end + 0.5 * LW_FMI_STEP_SECONDS) {
         lw_fmi_refuse(call, "the step would end after the stop time");
         return;
     }

@@ -30,7 +30,12 @@ fn trajectories_are_the_machines() {
             tape.refused
         );
         if !built.machine.operations.is_empty() {
-            assert!(tape.completed > 50 && tape.compared > 20, "{name}");
+            // Operations of one step are never seen unfinished.
+            let instant = built.machine.step_seconds == 0.0;
+            assert!(
+                (instant || tape.completed > 50) && tape.compared > 20,
+                "{name}"
+            );
         }
         assert!(tape.refused < tape.expected.len() / 2, "{name}");
         refused += tape.refused;

@@ -1,7 +1,7 @@
 //! The units of the laboratory's machines, built once, and the hosts that step them.
 
 use super::tape::{self, Tape};
-use crate::laboratory::{Controlled, machines};
+use crate::laboratory::{Controlled, machines, of_lines};
 use crate::support::programs;
 use linewright::contract::machine::Machine;
 use linewright::mealy;
@@ -21,14 +21,24 @@ pub struct Built {
     pub archive: PathBuf,
 }
 
-/// Every machine of the laboratory in both versions, and the folder they are in.
+/// Communication step in seconds. A machine whose steps take no time makes one a second.
+pub fn communication_step(machine: &Machine) -> f64 {
+    Some(machine.step_seconds)
+        .filter(|step| *step > 0.0)
+        .unwrap_or(1.0)
+}
+
+/// Every machine of the laboratory and one whose steps take no time, in both versions, and the
+/// folder they are in.
 pub fn laboratory() -> &'static [Built] {
     static BUILT: OnceLock<(tempfile::TempDir, Vec<Built>)> = OnceLock::new();
     let (_, built) = BUILT.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
         let (toolchains, _) = fmi::toolchains();
+        let instant = of_lines(&["tests/station/fmi/instant.lw"]);
         let built = machines()
             .iter()
+            .chain(&instant)
             .flat_map(|c| build(c, &toolchains, folder.path()))
             .collect();
         (folder, built)
@@ -148,7 +158,7 @@ pub fn write(tape: &Tape, folder: &Path) -> PathBuf {
 /// The arguments of the C host: to play a tape, or to check the calls.
 pub fn arguments(built: &Built, library: String, tape: Option<String>) -> Vec<String> {
     let what = if tape.is_some() { "play" } else { "check" };
-    let step = format!("{:?}", built.machine.step_seconds);
+    let step = format!("{:?}", communication_step(&built.machine));
     let mut arguments = vec![what.to_owned(), library, built.unit.token.clone(), step];
     arguments.extend(tape);
     arguments

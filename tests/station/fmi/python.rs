@@ -28,7 +28,7 @@ fn fmpy_steps_as_the_machines_do() {
     };
     let folder = tempfile::tempdir().unwrap();
     let built = laboratory();
-    assert_eq!(built.len() * SEQUENCES, 1000);
+    assert_eq!(built.len() * SEQUENCES, 1200);
     let tapes: Vec<(&Built, Tape)> = (1000..)
         .zip(built)
         .map(|(seed, b)| (b, record(b, SEQUENCES, 60, seed)))
@@ -60,7 +60,12 @@ fn fmpy_steps_as_the_machines_do() {
         let name = format!("{} {:?}", built.machine.name, built.unit.version);
         compare(tape, &printed, false).unwrap_or_else(|e| panic!("{name}: {e}"));
         if !built.machine.operations.is_empty() {
-            assert!(tape.completed > 50 && tape.compared > 20, "{name}");
+            // Operations of one step are never seen unfinished.
+            let instant = built.machine.step_seconds == 0.0;
+            assert!(
+                (instant || tape.completed > 50) && tape.compared > 20,
+                "{name}"
+            );
         }
     }
 }

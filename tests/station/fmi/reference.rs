@@ -4,6 +4,7 @@
 //! machine's own script throughout an operation, the sums, the properties and the machine's final
 //! state are compared with those of `simulate`.
 
+use super::hosts::communication_step;
 use linewright::contract::machine::{ActionTime, Machine, PlantSource};
 use linewright::gr1::eval;
 use linewright::mealy;
@@ -130,7 +131,7 @@ impl Reference {
 
     fn tick(&mut self) -> Result<(), CallError> {
         let machine = Arc::clone(&self.machine);
-        let step = machine.step_seconds;
+        let step = communication_step(&machine);
         if !self.enabled {
             self.total.seconds += step;
             self.total.joules += step * machine.idle_watts;

@@ -204,7 +204,7 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
         ),
         (false, true) => format!("Put a buffer into the cycle {names}, or {way_out}."),
         (false, false) => format!(
-            "Put a buffer into the cycle, or let fewer parts in: {}. Or {way_out}.",
+            "Let fewer parts in than fill the cycle {names}: {}; a buffer in the cycle lets you admit more, but does not help alone. Or {way_out}.",
             fewer.join(" or ")
         ),
     }

@@ -136,7 +136,7 @@ impl Run<'_> {
                 self.name(node)
             ),
             (true, None) => {
-                "Put a buffer into the cycle, or add another route out of it.".to_owned()
+                "Let fewer parts into the line than fill the cycle, or add another route out of it.".to_owned()
             }
             (false, _) => {
                 "Make sure that enough of the missing parts are made or stocked and that rejected parts are \

@@ -142,7 +142,7 @@ impl Unit {
             token,
             name: machine.name.clone(),
             doc: machine.doc.clone(),
-            step_seconds: machine.step_seconds,
+            step_seconds: step_seconds(machine),
         }
     }
 
@@ -158,6 +158,16 @@ impl Unit {
     /// Builds the unit's archive with these binaries and returns its bytes.
     pub fn archive(&self, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> {
         archive::archive(self, binaries)
+    }
+}
+
+/// Communication step in seconds: the machine's step, or one second if the machine's steps take no
+/// time.
+fn step_seconds(machine: &Machine) -> f64 {
+    if machine.step_seconds > 0.0 {
+        machine.step_seconds
+    } else {
+        1.0
     }
 }
 

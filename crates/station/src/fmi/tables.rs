@@ -1,8 +1,8 @@
 //! Renders the C file of a unit: the definition of the machine, additional tables for the adapters,
 //! and the adapter.
 
-use super::Version;
 use super::variables::{Kind, kind};
+use super::{Version, step_seconds};
 use crate::emit::expression::{literal, real_literal};
 use crate::emit::text::{comment, string};
 use crate::template::render;
@@ -27,6 +27,7 @@ struct Source<'a> {
 struct Tables {
     first_operation: usize,
     idle_watts: String,
+    step_seconds: String,
     step_text: String,
     wires: Vec<Wire>,
     properties: Vec<Property>,
@@ -92,7 +93,8 @@ pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
         Tables {
             first_operation,
             idle_watts: real_literal(machine.idle_watts),
-            step_text: string(&machine.step_seconds.to_string()),
+            step_seconds: real_literal(step_seconds(machine)),
+            step_text: string(&step_seconds(machine).to_string()),
             wires: wires.collect(),
             properties: properties.collect(),
         },

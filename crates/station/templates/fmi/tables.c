@@ -1,5 +1,7 @@
 #define LW_FMI_FIRST_OPERATION @{first_operation}
 #define LW_FMI_IDLE_WATTS @{idle_watts}
+/* The communication step, which makes one step of the machine. */
+#define LW_FMI_STEP_SECONDS @{step_seconds}
 #define LW_FMI_STEP_TEXT @{step_text}
 
 /* Type of every wire, and its value before the first step. */
