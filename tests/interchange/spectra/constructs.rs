@@ -2,6 +2,8 @@
 //! meaning, computed on a long part of the run.
 
 use super::lassos::{Lasso, agrees, agrees_assumed};
+use linewright::interchange::{Format, read};
+use linewright::source::FileId;
 use rayon::prelude::*;
 
 /// Number of steps to examine: enough for all memory here to repeat.
@@ -375,4 +377,55 @@ fn triggers_and_regular_expressions() {
             triggered(&any(), &repeated, lasso)
         });
     });
+}
+
+#[test]
+fn conditionals() {
+    let text = "spec t\nenv boolean p;\nenv boolean q;\ngar alw ite(p, q, !q);\n";
+    agrees(text, &[2, 2], |lasso| {
+        (0..horizon(lasso)).all(|t| (lasso.at(t)[0] == 1) == (lasso.at(t)[1] == 1))
+    });
+    let text =
+        "spec t\nenv boolean p;\nenv Int(0..3) x;\ngar alw x = ite(p, 1, ite(x > 1, 2, 3));\n";
+    agrees(text, &[2, 4], |lasso| {
+        (0..horizon(lasso)).all(|t| match lasso.at(t) {
+            [1, x] => *x == 1,
+            [_, x] => *x == 2,
+            _ => unreachable!("two inputs"),
+        })
+    });
+}
+
+/// Formulas that leave everything else free define values; the others restrict the system.
+#[test]
+fn definitions_are_distinguished_from_demands() {
+    let defining = [
+        "monitor boolean on { !on; G next(on) <-> (on xor p); }",
+        "monitor boolean on { G on <-> p; }",
+        "monitor Int(0..2) last { last = x; trans next(last) = x; }",
+        "counter c(0..3) { c = 0; inc: p; overflow: modulo; }",
+        "counter c(0..3) { inc: p; overflow: keep; }",
+        "gar GF regexp(true* [p] [!p]);",
+        "asm trig [p]* |=> true* [!p];",
+        "pattern often(q) { var boolean s; ini !s; G next(s) <-> q; GF s; }\nasm often(p);",
+    ];
+    let demanding = [
+        "monitor boolean on { !on; G next(on) <-> on; G on <-> p; }",
+        "monitor Int(0..2) last { last = 0; trans next(last) = x + 1; }",
+        "counter c(0..3) { c = 0; inc: p; }",
+        "counter c(0..3) { c = 0; inc: p; reset: x = 1; overflow: modulo; }",
+        "pattern never(q) { var boolean s; ini !s; G next(s) <-> q; G !s; }\ngar never(p);",
+    ];
+    for (cases, wanted) in [(&defining[..], true), (&demanding[..], false)] {
+        for case in cases {
+            let text =
+                format!("spec t\nenv boolean p;\nenv Int(0..2) x;\nsys boolean y;\n{case}\n");
+            let reading = read(Format::Spectra, "test", FileId(0), &text);
+            let specification = reading.specification.expect(case);
+            let side = &specification.guarantees;
+            let lists = [&side.initial, &side.invariants, &side.safety];
+            let mut formulas = lists.into_iter().flatten();
+            assert_eq!(formulas.all(|f| f.defines), wanted, "{case}");
+        }
+    }
 }

@@ -221,6 +221,27 @@ fn ports_that_are_named_like_macros_of_c_compile() {
     assert!(output.status.success(), "{errors}");
 }
 
+/// The automaton of an assumption is no guarantee, and neither is a monitor.
+#[test]
+fn what_only_defines_a_value_is_not_part_of_the_core() {
+    let session = Session::new();
+    let head = "spec Busy\nenv boolean e;\nsys boolean y;\ngar GF e & y;\n";
+    for rest in [
+        "asm trig [e]* |=> true* [!e];\n",
+        "monitor boolean m { !m; G next(m) = !e; }\nasm GF m;\n",
+        "counter c(0..1) { c = 0; inc: !e; overflow: modulo; }\nasm GF c = 1;\n",
+    ] {
+        std::fs::write(session.path("busy.spectra"), format!("{head}{rest}")).expect("a file");
+        let checked = session.run("check busy.spectra");
+        assert_eq!(checked.code, 1, "{}", checked.err);
+        let said = checked.out + &checked.err;
+        assert_eq!(said.matches("cannot be kept").count(), 1, "{said}");
+        for wrong in ["leave out `assumption", "gar m:", "gar c:"] {
+            assert!(!said.contains(wrong), "{said}");
+        }
+    }
+}
+
 /// The proof from the contracts and the composition of the controllers come to the same finding.
 #[test]
 fn an_assumption_that_is_not_met_in_a_nested_machine_is_reported_once() {

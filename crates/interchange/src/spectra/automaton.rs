@@ -74,8 +74,12 @@ impl Reader {
             .map(is)
             .collect();
         let accepted = Value::chain(BinaryOp::Or, accepted);
-        let start = self.formula(Expr::now(state.first).equals(Expr::Const(0)));
-        let step = self.formula(Expr::next(state.first).equals(update.expr));
+        let definition = |expr| Formula {
+            defines: true,
+            ..self.formula(expr)
+        };
+        let start = definition(Expr::now(state.first).equals(Expr::Const(0)));
+        let step = definition(Expr::next(state.first).equals(update.expr));
         let goal = self.formula(accepted.expr);
         let guarantees = &mut self.specification.guarantees;
         guarantees.initial.push(start);

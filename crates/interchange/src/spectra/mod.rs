@@ -12,7 +12,7 @@
 //! | `define`, `predicate` | `evaluate`, `array`, `predicate` |
 //! | `forall`, `exists`, `in {..}` | `quantifier`, `membership` |
 //! | `PREV ONCE HISTORICALLY SINCE TRIGGERED` | `past` |
-//! | `monitor`, `counter` | `statement`, `counter` |
+//! | `monitor`, `counter` | `statement`, `counter`, `definition` |
 //! | `pattern`, the published patterns | `pattern`, `dwyer`, `automata::ltl` |
 //! | `trig`, `regexp` | `trigger`, `regexp`, `automata::derivative` |
 //! | `ini`, `G`, `alw`, `GF` | `statement`, `initial` |
@@ -27,6 +27,7 @@ mod array;
 mod automaton;
 mod comparison;
 mod counter;
+mod definition;
 pub(super) mod dwyer;
 mod evaluate;
 mod import;

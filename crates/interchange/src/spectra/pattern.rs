@@ -67,13 +67,16 @@ impl Reader {
             .map(|p| p.text.clone())
             .zip(values.into_iter().map(Binding::Value))
             .collect();
+        let before = self.counts();
+        let mut own = Vec::new();
         for variable in &pattern.variables {
             let domain = self.domain(&variable.of)?;
             let name = format!("{use_name}.{}", variable.name.text);
             let cells = self.variables(&name, Owner::System, true, domain, span)?;
+            own.extend(cells.ids());
             frame.push((variable.name.text.clone(), Binding::Cells(cells)));
         }
-        self.expanded(&pattern.name, span, |reader| {
+        let done = self.expanded(&pattern.name, span, |reader| {
             if let Some(last) = reader.frames.last_mut() {
                 *last = frame;
             }
@@ -87,6 +90,8 @@ impl Reader {
                 }
             }
             Some(())
-        })
+        });
+        self.record_group(own, before);
+        done
     }
 }

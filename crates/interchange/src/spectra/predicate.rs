@@ -36,11 +36,23 @@ impl Reader {
                 );
                 None
             }
+            None if name.text == "ite" && arguments.len() == 3 => self.if_then_else(arguments),
             None => {
                 self.unknown("predicate or pattern", &name.text, name.span);
                 None
             }
         }
+    }
+
+    /// `ite(c, a, b)`: `a` if `c` holds, otherwise `b`, which are of the same type.
+    fn if_then_else(&mut self, arguments: &[Node]) -> Option<Value> {
+        let [condition, yes, no] = arguments else {
+            return None;
+        };
+        let (condition, yes, other) = (self.truth(condition), self.value(yes), self.value(no));
+        let (condition, yes, other) = (condition?, yes?, other?);
+        self.expect_kind(&other, &yes.kind, no.span)?;
+        Some(Value::choose(condition, yes, other))
     }
 
     pub fn predicate(

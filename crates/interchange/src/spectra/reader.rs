@@ -1,5 +1,6 @@
 //! The state of reading a Spectra file: the specification so far, its names and its limits.
 
+use super::definition::{self, Group};
 use super::dwyer;
 use super::scope::{self, Cells, Scope};
 use super::syntax::Define;
@@ -57,6 +58,8 @@ pub(super) struct Reader {
     /// The values of all enumerations.
     pub labels: BTreeSet<String>,
     pub monitors: Monitors,
+    /// Monitors, counters and uses of patterns, with their formulas.
+    pub groups: Vec<Group>,
     /// Bound names, one frame per open definition; only the last frame is visible.
     pub frames: Vec<Vec<(String, Binding)>>,
     /// Locations of the names of the definitions that are being expanded.
@@ -99,6 +102,7 @@ impl Reader {
             watchers: BTreeSet::new(),
             labels: BTreeSet::new(),
             monitors: Monitors::new(VarId(FIRST_MONITOR), taken),
+            groups: Vec::new(),
             frames: vec![Vec::new()],
             open: Vec::new(),
             mentions: BTreeSet::new(),
@@ -384,6 +388,9 @@ impl Reader {
                     )
                 });
             }
+        }
+        for group in &self.groups {
+            definition::mark(&mut self.specification, group);
         }
         (self.specification, self.findings)
     }

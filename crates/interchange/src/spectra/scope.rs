@@ -16,6 +16,15 @@ pub(super) struct Cells {
     pub domain: Domain,
 }
 
+impl Cells {
+    /// Returns the ids of all elements.
+    pub fn ids(&self) -> Vec<VarId> {
+        let count: i64 = self.sizes.iter().product();
+        let first = self.first.0;
+        (first..first + count as u32).map(VarId).collect()
+    }
+}
+
 /// The meaning of a name.
 #[derive(Debug, Clone)]
 pub(super) enum Symbol {

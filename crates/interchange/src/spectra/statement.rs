@@ -173,6 +173,7 @@ impl Reader {
 
     /// Adds the formulas of a monitor.
     pub fn monitor(&mut self, monitor: &Monitor, text: &str) {
+        let before = self.counts();
         for clause in &monitor.clauses {
             let line = one_line(text_of(text, clause.span));
             self.set_origin(monitor.variable.name.text.clone(), clause.span, line);
@@ -189,6 +190,11 @@ impl Reader {
                 self.add(Owner::System, clause.when, value);
             }
         }
+        let variable = &monitor.variable.name;
+        if let Some((Symbol::Variable(cells), _)) = self.symbol(&variable.text, variable.span) {
+            let cells = cells.ids();
+            self.record_group(cells, before);
+        }
     }
 
     /// Adds the formulas of a counter.
@@ -203,7 +209,9 @@ impl Reader {
         // declared within the span of a formula counts as generated.
         let range = counter.low.span.to(counter.high.span);
         self.set_origin(counter.name.text.clone(), range, line);
+        let before = self.counts();
         self.counter(counter, &cells);
+        self.record_group(cells.ids(), before);
     }
 
     /// Adds a formula to the list for its side and its temporal form.

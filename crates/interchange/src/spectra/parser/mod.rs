@@ -211,7 +211,7 @@ impl<'t> Parser<'t> {
             return self.report(
                 range,
                 "Spectra has no conditional operator `c ? a : b`",
-                "write `(c -> a) & (!c -> b)`; for a number, `(c -> x = 1) & (!c -> x = 2)`",
+                "write `ite(c, a, b)`",
             );
         }
         let found = match word {

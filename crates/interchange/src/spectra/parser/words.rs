@@ -45,6 +45,11 @@ pub(super) fn words(text: &str) -> Vec<Token> {
             at += comment.find("*/").map_or(rest.len(), |end| end + 4);
             continue;
         }
+        // Some editors write a byte order mark at the start of a file.
+        if rest.starts_with('\u{feff}') {
+            at += '\u{feff}'.len_utf8();
+            continue;
+        }
         let (word, length) = match bytes[at] {
             c if c.is_ascii_whitespace() => {
                 at += 1;

@@ -191,6 +191,14 @@ impl<'a, K: Kernel> Trials<'a, K> {
         mentions
     }
 
+    /// Whether a guarantee belongs to the declaration of an internal variable, such as a counter of
+    /// Spectra.
+    pub fn declares(&self, guarantee: GuaranteeRef) -> bool {
+        let formula = guarantee.formula(&self.specification.guarantees);
+        let mut variables = self.specification.variables.iter();
+        variables.any(|v| v.internal && v.name == formula.name)
+    }
+
     /// Returns the share of the environment's steps in which a formula does not hold.
     pub fn forbidden_share(&self, expr: &Expr) -> Result<f64, Limit> {
         let m = self.formulas.kernel();
