@@ -180,7 +180,8 @@ pub fn weakenings<K: Kernel>(
         }
         // A formula that mentions a monitor was generated from a guarantee that can only be left
         // out as a whole.
-        // The same holds of the formulas of a counter or monitor, which are named after its variable.
+        // The same holds of the formulas of a counter or monitor, which are named after its
+        // variable.
         if trials.mentions_monitor(*guarantee) || trials.declares(*guarantee) {
             let name = &formula(*guarantee).name;
             if found.iter().all(|w| formula(w.guarantee).name != *name) {
