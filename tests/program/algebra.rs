@@ -527,3 +527,51 @@ fn operands_that_are_none_are_refused() {
         assert!(shown.contains(why), "{arguments:?}: {shown}");
     }
 }
+
+/// A safety guarantee that is broken first does not hold because of a justice assumption that can
+/// no longer be kept afterwards.
+#[test]
+fn a_composition_keeps_safety_step_by_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contracts = "
+        contract W {
+            input x: bool
+            output y, z: bool
+            assume always (z -> next not x)
+            assume always eventually x
+            guarantee quiet: always not z
+        }
+        moore contract P {
+            input z: bool
+            output y: bool
+            guarantee always y
+        }
+        contract Q {
+            input x, y: bool
+            output z: bool
+            guarantee always z
+        }";
+    fs::write(folder.path().join("w.lw"), contracts).expect("a file");
+    let output = linewright(
+        folder.path(),
+        &["refine", "w.lw::W", "compose(w.lw::P, w.lw::Q)"],
+    );
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output).contains("P ⊗ Q does not refine `W`"));
+
+    // The same for a machine and its controllers.
+    let machine = format!(
+        "{contracts}
+        machine M {{
+            signal x: bool = true
+            signal y: bool = true
+            action q: Q {{ x = x  y = y }}
+            refines W {{ x = x  y = y  z = q.z }}
+        }}"
+    );
+    fs::write(folder.path().join("m.lw"), machine).expect("a file");
+    let output = linewright(folder.path(), &["check", "m.lw"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned() + &text(&output);
+    assert!(said.contains("`quiet` of `W` is not kept"), "{said}");
+}

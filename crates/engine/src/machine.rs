@@ -11,7 +11,7 @@ use crate::words::{
 };
 use linewright_algebra::closed::{ClosedComposition, DischargeMethod, Form, Verdict};
 use linewright_algebra::machine::{COMPLETES, of_machine, of_refined_contract};
-use linewright_algebra::proof::{Claim, Cycle, Proof, prove};
+use linewright_algebra::proof::{Claim, Cycle, Proof, prove_stepwise};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::gr1::FormulaKind;
@@ -147,7 +147,7 @@ pub fn prove_machine(
         verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
         walked: &walked,
     };
-    match prove(&system, &claim, limits) {
+    match prove_stepwise(&system, &claim, limits) {
         Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
         Err(limit) => {
             // This finding also covers whatever the controllers leave undecided.
@@ -449,7 +449,7 @@ fn refines(
         closed: None,
         discharges: Vec::new(),
     };
-    match prove(&system, &claim, limits) {
+    match prove_stepwise(&system, &claim, limits) {
         Ok(proof) if proof.holds() => {
             let entries = proof.discharges.iter();
             refined.discharges = entries.map(|d| discharge_entry(printer, d)).collect();

@@ -7,7 +7,7 @@ use super::{Joined, Outcome, RefineArguments, gave_up, load_joined, print_outcom
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::decide::Decider;
 use crate::algebra::join::Sharing;
-use crate::algebra::proof::{Claim, Exports, prove};
+use crate::algebra::proof::{Claim, Exports, prove_stepwise};
 use crate::algebra::refine::{Question, Refinement, lacks_environment, refine};
 use crate::algebra::system::{Component, ContractSide, System};
 use crate::cli::console::schema;
@@ -232,7 +232,7 @@ fn refine_by_composition(joined: &Joined, options: &GlobalOptions) -> Result<Out
         exports: Exports::Never,
         ..Claim::default()
     };
-    let proof = prove(&system, &claim, &options.limits())?;
+    let proof = prove_stepwise(&system, &claim, &options.limits())?;
     let printer = ProofPrinter {
         system: &system,
         claim: &claim,

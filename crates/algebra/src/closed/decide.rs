@@ -10,10 +10,10 @@ use super::{
     Verdict, replay,
 };
 use crate::machine::COMPLETES;
-use crate::proof::{Exports, Open, Refutation};
+use crate::proof::{Open, Refutation};
 use crate::replay::formula;
 use crate::system::FormulaRef;
-use linewright_core::gr1::{Expr, FormulaKind, Time, VarId};
+use linewright_core::gr1::{Expr, FormulaKind, VarId};
 use linewright_core::source::Span;
 use linewright_solver::game::{Lasso, Limit, Limits, Rule, RunQuery, Runs, SafetyViolationQuery};
 use std::collections::{BTreeMap, BTreeSet};
@@ -277,47 +277,11 @@ impl ClosedDecider<'_> {
                 continue;
             }
             match self.violation(self.book.keep.clone(), rule)? {
-                Some(trace) if self.can_continue(rule)? => {
-                    self.record_open(at, Refutation::Trace(trace));
-                }
-                _ => self.record_met(at),
+                Some(trace) => self.record_open(at, Refutation::Trace(trace)),
+                None => self.record_met(at),
             }
         }
         Ok(())
-    }
-
-    /// Returns whether a violation of a rule counts. For a refined contract only infinite runs
-    /// count: a violation does not count if it leads to a state in which an environment that keeps
-    /// the assumptions has no next step.
-    fn can_continue(&mut self, rule: usize) -> Result<bool, Limit> {
-        let Some(violated) = self
-            .closed
-            .violated
-            .filter(|_| self.closed.claim.exports == Exports::Never)
-        else {
-            return Ok(true);
-        };
-        let Rule { kind, expr } = self.runs.rules()[rule].clone();
-        let (first, later) = match kind {
-            FormulaKind::Initial => (expr.not(), Expr::FALSE),
-            FormulaKind::Safety | FormulaKind::Justice => (Expr::FALSE, expr.not()),
-            FormulaKind::Invariant => {
-                let next = expr.substitute(&mut |v, _| Expr::Var(v, Time::Next));
-                (expr.not(), next.not())
-            }
-        };
-        let start = self.add(FormulaKind::Initial, Expr::now(violated).equals(first));
-        let on = Expr::next(violated).equals(Expr::now(violated).or(later));
-        let on = self.add(FormulaKind::Safety, on);
-        let seen = self.add(FormulaKind::Justice, Expr::now(violated));
-        let mut query = RunQuery {
-            keep: self.book.keep.clone(),
-            infinitely_often: self.reliable_justice(),
-            finitely_often: Vec::new(),
-        };
-        query.keep.extend([start, on]);
-        query.infinitely_often.push(seen);
-        Ok(self.runs.find_lasso(&query)?.is_some())
     }
 
     // ---- operations -----------------------------------------------------------------------------

@@ -81,9 +81,6 @@ pub struct ClosedComposition<'a> {
     /// Variables that check that operations run the actions they name. Only for a machine with
     /// operations, built with [`ClosedComposition::of_machine`].
     pub watch: Option<Watch>,
-    /// Boolean that stays true once the examined rule is broken; `None` unless only infinite runs
-    /// count.
-    violated: Option<VarId>,
 }
 
 /// How an obligation of a closed composition is met.
@@ -242,11 +239,6 @@ impl<'a> ClosedComposition<'a> {
                 first: machine.first_wire(index),
             });
         }
-        let violated = (claim.exports == Exports::Never).then(|| {
-            let name = system.fresh_name("violated");
-            let domain = Domain::Bool;
-            add_internal_variable(&mut system, name, domain, machine.span)
-        });
         Self {
             machine,
             controllers: controllers.to_vec(),
@@ -254,7 +246,6 @@ impl<'a> ClosedComposition<'a> {
             claim,
             participants,
             watch,
-            violated,
         }
     }
 

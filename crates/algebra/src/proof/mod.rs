@@ -197,7 +197,9 @@ impl Proof {
     }
 }
 
-/// Proves a claim about a system, or returns counterexamples.
+/// Proves a claim about a system, or returns counterexamples. Safety of the goal is proved for
+/// infinite runs: a step that violates it does not count if it leads to a state from which no run
+/// continues. See [`prove_stepwise`] for machines and compositions.
 ///
 /// # Errors
 /// When a limit was reached.
@@ -214,9 +216,11 @@ pub fn decide(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, 
     prover::Prover::new(system, claim, limits)?.quick().prove()
 }
 
-/// Like [`decide`], but safety of the goal has to be kept step by step: a step counts even if it
-/// leads to a state from which no run continues. This is necessary if another proof relies on the
-/// claim within a step, such as a proof that represents a machine by the contract that it refines.
+/// Like [`prove`], but safety of the goal has to be kept step by step: a step counts even if it
+/// leads to a state from which no run continues. This is the strict semantics of GR(1): a machine
+/// must not break its safety first and rely on an environment that can then no longer keep its
+/// assumptions. It is also necessary if another proof relies on the claim within a step, such as a
+/// proof that represents a machine by the contract that it refines.
 ///
 /// # Errors
 /// When a limit was reached.
