@@ -134,10 +134,10 @@ fn finding(station: &Node, machine: &Machine, called: &CalledMachine, open: &Ope
     )
     .with_label(formula.span, "this would be broken")
     .with_note(format!(
-        "this happens when {} is asked for {}: {} is refused, and the current part is removed from the line",
+        "this happens when {} is asked for {}: the part{} is refused, and removed from the line",
         station.name,
         in_turn(&asked),
-        if asked.len() == 1 { "this" } else { "the last of these" }
+        if asked.len() == 1 { "" } else { " of the last request" }
     ))
     .with_help(
         "let the station perform other operations, or the same ones in another order; or weaken the assumption",
