@@ -261,12 +261,10 @@ fn requirements_of_all(out: &mut String, line: &Line, replications: &Replication
 /// Returns the condition of requirement number `index` of the line, such as `products >= 5`.
 fn required(line: &Line, index: usize) -> String {
     line.requirements.get(index).map_or(String::new(), |r| {
-        format!(
-            "{} {} {}",
-            metric(&r.metric, line),
-            sign(r.comparison),
-            r.bound
-        )
+        // Computed bounds are rounded, such as the third of an hour's parts.
+        let rounded = (r.bound * 1000.0).round() / 1000.0;
+        let bound = if rounded == 0.0 { r.bound } else { rounded };
+        format!("{} {} {bound}", metric(&r.metric, line), sign(r.comparison))
     })
 }
 

@@ -4,8 +4,18 @@
 use super::shown;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::text::{operand, text};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Specification, Time, VarId};
 use linewright_solver::game::{GuaranteeRef, WeaknessFindings, negation};
+
+/// Whether a formula is one of several that were generated from one rule of a skill order, and
+/// another one of them requires something, because it is not among `idle`. Such a rule has no `->`.
+fn is_needed_elsewhere(side: &Side, at: GuaranteeRef, idle: &[GuaranteeRef]) -> bool {
+    let formula = at.formula(side);
+    let is_sibling = |f: &Formula| f.span == formula.span && !f.defines;
+    let siblings = side.formulas().filter(|(.., f)| is_sibling(f));
+    let mut siblings = siblings.map(|(kind, index, _)| GuaranteeRef { kind, index });
+    !formula.text.contains("->") && siblings.any(|sibling| !idle.contains(&sibling))
+}
 
 /// Returns the findings.
 pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<Diagnostic> {
@@ -28,7 +38,9 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
         );
     }
     for guarantee in &found.unreachable {
-        if found.unbreakable.contains(guarantee) {
+        if found.unbreakable.contains(guarantee)
+            || is_needed_elsewhere(&s.guarantees, *guarantee, &found.unreachable)
+        {
             continue;
         }
         let formula = formula(guarantee);
@@ -47,6 +59,9 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
         );
     }
     for assumption in &found.unneeded {
+        if is_needed_elsewhere(&s.assumptions, *assumption, &found.unneeded) {
+            continue;
+        }
         let formula = assumption.formula(&s.assumptions);
         findings.push(
             Diagnostic::warning(
