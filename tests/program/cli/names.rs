@@ -285,3 +285,39 @@ fn an_assumption_that_is_not_met_in_a_nested_machine_is_reported_once() {
     let said = checked.out + &checked.err;
     assert_eq!(said.matches("error[LW303]").count(), 1, "{said}");
 }
+
+/// Instances of a quantifier, conjuncts and the formulas of an order are judged together.
+#[test]
+fn a_formula_is_not_called_idle_because_a_part_of_it_is() {
+    let session = Session::new();
+    for text in [
+        "contract C {
+            input n: 0..3
+            output d: bool
+            assume small: always (n != 3)
+            guarantee all: forall i in 2..3: always (n = i -> not d)
+            guarantee other: always (n = 1 -> d)
+        }",
+        "contract C {
+            input n: 0..3
+            input a: bool
+            output b: bool
+            assume small: always (n != 3)
+            guarantee both: always ((a -> b) and (n = 3 -> b))
+        }",
+    ] {
+        std::fs::write(session.path("c.lw"), text).expect("a file");
+        let checked = session.run("check c.lw");
+        let said = checked.out + &checked.err;
+        assert!(!said.contains("LW212") && !said.contains("LW213"), "{said}");
+    }
+    let idle = "contract C {
+        input n: 0..3
+        output d: bool
+        assume small: always (n != 3)
+        guarantee all: always (n = 3 -> not d)
+    }";
+    std::fs::write(session.path("c.lw"), idle).expect("a file");
+    let checked = session.run("check c.lw");
+    assert!((checked.out + &checked.err).contains("LW21"));
+}

@@ -102,8 +102,11 @@ impl Board<'_> {
                 }
                 let mut parts = Vec::new();
                 conjuncts(&formula.expr, &mut parts);
-                let mut conditions = parts.iter().filter_map(|part| antecedents(part));
-                let never = conditions.any(|conditions| {
+                let mut conditions = parts.iter().map(|part| antecedents(part));
+                let never = conditions.all(|conditions| {
+                    let Some(conditions) = conditions else {
+                        return false;
+                    };
                     let of_now = !conditions.iter().any(|c| c.mentions_next());
                     let among = match place.kind {
                         Kind::Initial => &among,

@@ -7,14 +7,17 @@ use linewright_core::gr1::text::{operand, text};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Specification, Time, VarId};
 use linewright_solver::game::{GuaranteeRef, WeaknessFindings, negation};
 
-/// Whether a formula is one of several that were generated from one rule of a skill order, and
-/// another one of them requires something, because it is not among `idle`. Such a rule has no `->`.
-fn is_needed_elsewhere(side: &Side, at: GuaranteeRef, idle: &[GuaranteeRef]) -> bool {
+/// Whether a formula of `idle` is reported. Several formulas can come from the same text, such as a
+/// quantifier, a conjunction or a rule of a skill order: only the first of them is reported, and
+/// only if none of them requires anything.
+fn is_reported(side: &Side, at: GuaranteeRef, idle: &[GuaranteeRef]) -> bool {
     let formula = at.formula(side);
     let is_sibling = |f: &Formula| f.span == formula.span && !f.defines;
     let siblings = side.formulas().filter(|(.., f)| is_sibling(f));
-    let mut siblings = siblings.map(|(kind, index, _)| GuaranteeRef { kind, index });
-    !formula.text.contains("->") && siblings.any(|sibling| !idle.contains(&sibling))
+    let siblings = siblings.map(|(kind, index, _)| GuaranteeRef { kind, index });
+    let siblings: Vec<GuaranteeRef> = siblings.collect();
+    let first = idle.iter().find(|other| siblings.contains(other));
+    first == Some(&at) && siblings.iter().all(|sibling| idle.contains(sibling))
 }
 
 /// Returns the findings.
@@ -24,6 +27,9 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
     let formula = |g: &GuaranteeRef| -> &Formula { g.formula(&s.guarantees) };
     let variable = |v: VarId| (&s.variable(v).name, s.variable(v).span);
     for guarantee in &found.unbreakable {
+        if !is_reported(&s.guarantees, *guarantee, &found.unbreakable) {
+            continue;
+        }
         let formula = formula(guarantee);
         findings.push(
             Diagnostic::warning(
@@ -39,7 +45,7 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
     }
     for guarantee in &found.unreachable {
         if found.unbreakable.contains(guarantee)
-            || is_needed_elsewhere(&s.guarantees, *guarantee, &found.unreachable)
+            || !is_reported(&s.guarantees, *guarantee, &found.unreachable)
         {
             continue;
         }
@@ -59,7 +65,7 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
         );
     }
     for assumption in &found.unneeded {
-        if is_needed_elsewhere(&s.assumptions, *assumption, &found.unneeded) {
+        if !is_reported(&s.assumptions, *assumption, &found.unneeded) {
             continue;
         }
         let formula = assumption.formula(&s.assumptions);

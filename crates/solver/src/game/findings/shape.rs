@@ -151,7 +151,7 @@ impl<'a, K: Kernel> Inspection<'a, K> {
         self.m.and(&self.reached, &self.moves)
     }
 
-    /// Returns the formulas of a side that have a conjunct whose condition never holds.
+    /// Returns the formulas of a side whose conjuncts all have a condition that never holds.
     fn unreachable(&self, side: &Side) -> Result<Vec<GuaranteeRef>, Limit> {
         let m = self.m;
         let steps = self.steps()?;
@@ -166,11 +166,11 @@ impl<'a, K: Kernel> Inspection<'a, K> {
                 Kind::Invariant => &self.reached,
                 Kind::Safety | Kind::Justice => &steps,
             };
-            let mut antecedents = Vec::new();
-            for part in formula.expr.conjuncts() {
-                antecedents.extend(antecedent(part));
-            }
-            let mut never = false;
+            let parts = formula.expr.conjuncts().into_iter();
+            let Some(antecedents) = parts.map(antecedent).collect::<Option<Vec<Expr>>>() else {
+                continue;
+            };
+            let mut never = true;
             for antecedent in antecedents {
                 // A condition on current values also counts in states without a next step.
                 let among = if antecedent.mentions_next() || guarantee.kind == Kind::Initial {
@@ -179,7 +179,7 @@ impl<'a, K: Kernel> Inspection<'a, K> {
                     &self.reached
                 };
                 let holds = m.and(among, &self.encode(&antecedent)?)?;
-                never |= m.is_false(&holds);
+                never &= m.is_false(&holds);
             }
             if never {
                 found.push(guarantee);
