@@ -287,7 +287,6 @@ lw_handle lw_create(void)
         if (lw_first_generation == 0) {
             lw_begin_handles();
         }
-        slot->generation = 0;
         lw_lock_create(&slot->lock);
         lw_set(&lw_slots_used, used + 1);
     }
