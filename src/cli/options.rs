@@ -48,15 +48,16 @@ pub enum Deny {
     Warnings,
 }
 
-/// Choice of the BDD package.
+/// Choice of the BDD kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Kernel {
     /// Chosen by the size of the game.
     Auto,
     /// biodivine-lib-bdd: no start-up time; for small games.
     Biodivine,
-    /// `OxiDD`: a shared node store and variable reordering; for large games.
-    Oxidd,
+    /// Linewright's own: a common store of nodes, and variable reordering; for large games.
+    #[value(alias = "oxidd")]
+    Shared,
 }
 
 /// The options that every command takes.
@@ -102,7 +103,7 @@ and operations, not in seconds, so the same input has the same verdict on every 
         allow_negative_numbers = true
     )]
     pub memory: u64,
-    /// BDD package; verdicts do not depend on it
+    /// BDD kernel; verdicts do not depend on it
     #[arg(long, global = true, value_enum, default_value = "auto")]
     pub kernel: Kernel,
     /// Disable these heuristics (comma-separated), to measure their effect; verdicts do not depend
@@ -191,7 +192,7 @@ impl GlobalOptions {
             kernel: match self.kernel {
                 Kernel::Auto => KernelChoice::Automatic,
                 Kernel::Biodivine => KernelChoice::Biodivine,
-                Kernel::Oxidd => KernelChoice::OxiDd,
+                Kernel::Shared => KernelChoice::Shared,
             },
             heuristics: on,
             cache: if self.no_cache {

@@ -32,7 +32,7 @@ const MOST_BITS: u32 = 10;
 /// formula.
 const MOST_VALUATIONS: u64 = 64;
 
-const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::OxiDd];
+const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::Shared];
 
 /// Whether it is solved quickly.
 pub fn is_small(specification: &Specification) -> bool {

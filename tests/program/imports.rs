@@ -81,9 +81,8 @@ const FORBIDDEN: [(&str, &str, &[&str]); 3] = [
 ];
 
 /// Packages that only these crates may use.
-const CONFINED: [(&str, &[&str]); 5] = [
+const CONFINED: [(&str, &[&str]); 4] = [
     ("biodivine-lib-bdd", &["solver"]),
-    ("oxidd", &["solver"]),
     ("pest", &["syntax"]),
     ("libloading", &["station"]),
     ("minijinja", &["station"]),

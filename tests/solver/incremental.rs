@@ -79,7 +79,7 @@ fn the_last_region_changes_nothing() {
         thin_side(&mut r, &mut old.guarantees, true);
         let mut new = whole;
         thin_side(&mut r, &mut new.assumptions, seed % 3 == 0);
-        let kernel = [KernelChoice::Biodivine, KernelChoice::OxiDd][(seed % 2) as usize];
+        let kernel = [KernelChoice::Biodivine, KernelChoice::Shared][(seed % 2) as usize];
         let before = solve(&old, kernel, None);
         let version = version(&old, &before);
         let hints = version.hints(&new);
@@ -114,7 +114,7 @@ fn a_weaker_contract_does_not_begin_in_the_old_region() {
         {
             continue;
         }
-        let before = solve(&old, KernelChoice::OxiDd, None);
+        let before = solve(&old, KernelChoice::Shared, None);
         let version = version(&old, &before);
         // Lists with a duplicate formula are the same set after removing one copy.
         if let Some(region) = version.hints(&new).region {
@@ -127,8 +127,8 @@ fn a_weaker_contract_does_not_begin_in_the_old_region() {
             );
         }
         tried += 1;
-        let fresh = solve(&new, KernelChoice::OxiDd, None);
-        let incremental = solve(&new, KernelChoice::OxiDd, Some(&version));
+        let fresh = solve(&new, KernelChoice::Shared, None);
+        let incremental = solve(&new, KernelChoice::Shared, Some(&version));
         assert_eq!(
             states(&new, &fresh),
             states(&new, &incremental),
@@ -143,7 +143,7 @@ fn a_weaker_contract_does_not_begin_in_the_old_region() {
 #[test]
 fn other_variables_keep_the_order() {
     let old = random::specification(&mut Random::new(3));
-    let before = solve(&old, KernelChoice::OxiDd, None);
+    let before = solve(&old, KernelChoice::Shared, None);
     let version = version(&old, &before);
     let mut new = old.clone();
     let mut more = new.variables[0].clone();
@@ -159,8 +159,8 @@ fn other_variables_keep_the_order() {
         .map(|v| u64::BITS - (v.domain.size() - 1).leading_zeros())
         .sum();
     assert_eq!(order.pairs().len() as u32, bits + 1);
-    let fresh = solve(&new, KernelChoice::OxiDd, None);
-    let incremental = solve(&new, KernelChoice::OxiDd, Some(&version));
+    let fresh = solve(&new, KernelChoice::Shared, None);
+    let incremental = solve(&new, KernelChoice::Shared, Some(&version));
     assert_eq!(states(&new, &fresh), states(&new, &incremental));
     // All variables differ: no order to start from.
     for v in &mut new.variables {

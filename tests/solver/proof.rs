@@ -44,7 +44,7 @@ fn proofs_of_random_specifications_are_accepted_and_damaged_ones_are_not() {
     let (mut proofs, mut refused, mut damaged) = (0, 0, 0);
     for seed in 0..400 {
         let spec = random::specification(&mut Random::new(seed));
-        let kernel = [KernelChoice::Biodivine, KernelChoice::OxiDd][(seed % 2) as usize];
+        let kernel = [KernelChoice::Biodivine, KernelChoice::Shared][(seed % 2) as usize];
         let Some(proof) = document(&spec, kernel) else {
             continue;
         };

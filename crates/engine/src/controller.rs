@@ -15,7 +15,7 @@ use linewright_station::emit::table_bytes;
 use std::time::Instant;
 
 /// Maximum peak node count of games for which a machine is tried.
-const MACHINE_PEAK_NODES: u64 = 50_000;
+const MACHINE_PEAK_NODES: u64 = 47_500;
 
 /// Maximum number of bit pairs of games for which a machine is tried.
 const MACHINE_PAIRS: usize = 48;

@@ -9,6 +9,10 @@
 extern crate self as linewright;
 #[cfg(test)]
 use linewright_core::{gr1, source};
+#[cfg(test)]
+#[allow(dead_code, reason = "only the integration tests mutate machines")]
+#[path = "../../../tests/solver/random.rs"]
+mod random;
 
 pub mod game;
 pub mod mealy;

@@ -68,7 +68,7 @@ fn a_hit_can_be_seen() {
     );
     // Everything that a verdict depends on.
     assert_eq!(
-        cached(&session, &format!("{line} --kernel oxidd")),
+        cached(&session, &format!("{line} --kernel shared")),
         [false, false]
     );
     assert_eq!(

@@ -16,7 +16,7 @@ const HARD: &str = "check product.lw --no-timing";
 #[test]
 fn a_time_limit_ends_a_run_that_would_last() {
     let session = Session::new();
-    for kernel in ["auto", "biodivine", "oxidd"] {
+    for kernel in ["auto", "biodivine", "shared"] {
         let begin = Instant::now();
         let printed = session.run(&format!("{HARD} --kernel {kernel} --timeout 2"));
         let elapsed = begin.elapsed();
@@ -85,8 +85,8 @@ fn a_memory_limit_ends_in_a_message() {
         ("auto", 1),
         ("auto", 8),
         ("biodivine", 8),
-        ("oxidd", 8),
-        ("oxidd", 0),
+        ("shared", 8),
+        ("shared", 0),
     ] {
         let printed = session.run(&format!("{HARD} --kernel {kernel} --memory {mib}"));
         assert_eq!(

@@ -7,15 +7,15 @@ use linewright::gr1::Specification;
 use linewright::mealy::certify::{certify, certify_on};
 use linewright::mealy::functions::Functions;
 use linewright::mealy::verify::verify;
-use linewright::symbolic::{Biodivine, Bit, DiagramNode, Edge, OxiDd};
+use linewright::symbolic::{Biodivine, Bit, DiagramNode, Edge, SharedStore};
 
-const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::OxiDd];
+const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::Shared];
 
 /// Certifies on both kernels, which must agree.
 fn certified(specification: &Specification, functions: &Functions) -> Result<(), String> {
     let limits = Limits::default();
     let one = certify_on::<Biodivine>(specification, functions, &limits).expect("no limit");
-    let other = certify_on::<OxiDd>(specification, functions, &limits).expect("no limit");
+    let other = certify_on::<SharedStore>(specification, functions, &limits).expect("no limit");
     assert_eq!(one, other);
     one.map_err(|fault| fault.clause.to_string())
 }
@@ -270,7 +270,7 @@ fn functions_of_a_benchmark_pass_and_corrupted_ones_do_not() {
     let Some(specification) = benchmark("genbuf5.slugsin") else {
         return;
     };
-    let right = functions(&specification, KernelChoice::OxiDd).expect("realizable");
+    let right = functions(&specification, KernelChoice::Shared).expect("realizable");
     let limits = Limits::default();
     assert_eq!(certify(&specification, &right, &limits), Ok(Ok(())));
     let mut random = Random::new(5);

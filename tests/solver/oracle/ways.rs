@@ -18,7 +18,7 @@ use std::ops::AddAssign;
 /// The kernels by their names in the statistics.
 const KERNELS: [(KernelChoice, &str); 2] = [
     (KernelChoice::Biodivine, "biodivine"),
-    (KernelChoice::OxiDd, "oxidd"),
+    (KernelChoice::Shared, "shared"),
 ];
 
 /// One way of solving.

@@ -3,8 +3,8 @@
 //!
 //! Small games are solved on biodivine's kernel, which takes no time to start. A game that has more
 //! than [`SMALL_PAIRS`] pairs of bits, or exceeds [`SMALL_NODES`] or [`SMALL_CREATED`] there, is
-//! solved on `OxiDD`'s kernel. The choice depends only on the specification, so that the same input
-//! always gives the same machine.
+//! solved on the kernel with a shared store. The choice depends only on the specification, so that
+//! the same input always gives the same machine.
 
 use super::arena::{Arena, Formulas, initial_order};
 use super::attack::{self, Attack, Play, PlayEnd};
@@ -23,7 +23,9 @@ use super::repair::{self, Advice};
 use super::set_up;
 use super::statistics::Statistics;
 use super::strategy::{self, Preference};
-use crate::symbolic::{Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, OxiDd};
+use crate::symbolic::{
+    Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, SharedStore,
+};
 use linewright_core::gr1::{Formula, Specification, Time, VarId};
 use std::sync::Arc;
 use std::time::Instant;
@@ -52,8 +54,8 @@ pub enum KernelChoice {
     Automatic,
     /// biodivine-lib-bdd, where every function owns its nodes.
     Biodivine,
-    /// `OxiDD`, with a shared store and complement edges.
-    OxiDd,
+    /// Linewright's own kernel, with a common store and complement edges.
+    Shared,
 }
 
 /// Options of the solver.
@@ -174,7 +176,7 @@ pub fn solve_with(specification: &Specification, options: &Options) -> Solution 
         }
     }
     let hints = Hints::of(options);
-    solve_on::<OxiDd>(specification, &order, &options.limits, options, hints)
+    solve_on::<SharedStore>(specification, &order, &options.limits, options, hints)
 }
 
 /// The initial variable order and the initial region that the options provide.
@@ -203,12 +205,12 @@ impl<'a> Hints<'a> {
     }
 }
 
-/// Returns the limits of the attempt on biodivine's kernel, or `None` to use `OxiDD`'s kernel from
+/// Returns the limits of the attempt on biodivine's kernel, or `None` to use the shared store from
 /// the start.
 fn small_limits(order: &Order, options: &Options) -> Option<Limits> {
     match options.kernel {
         KernelChoice::Biodivine => Some(options.limits),
-        KernelChoice::OxiDd => None,
+        KernelChoice::Shared => None,
         KernelChoice::Automatic if order.pairs().len() > SMALL_PAIRS => None,
         KernelChoice::Automatic => Some(Limits {
             max_nodes: Some(SMALL_NODES),
@@ -234,7 +236,7 @@ pub fn examine_environment(
             return found;
         }
     }
-    examine_on::<OxiDd>(specification, &order, limits, options.heuristics)
+    examine_on::<SharedStore>(specification, &order, limits, options.heuristics)
 }
 
 fn examine_on<K: Kernel>(
@@ -280,7 +282,7 @@ pub fn attack_until(
             return found;
         }
     }
-    attack::attack_on::<OxiDd>(end, specification, start, limits)
+    attack::attack_on::<SharedStore>(end, specification, start, limits)
 }
 
 /// Suggests repairs of an unrealizable specification, given a minimal core and a play that the
@@ -306,7 +308,7 @@ pub fn advise(
             return found;
         }
     }
-    repair::advise_on::<OxiDd>(specification, core, play, limits)
+    repair::advise_on::<SharedStore>(specification, core, play, limits)
 }
 
 /// Solves a game on one kernel.

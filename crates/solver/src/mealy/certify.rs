@@ -26,12 +26,12 @@
 use super::Port;
 use super::functions::Functions;
 use crate::game::{Aim, AssumedFormula, Limit, Limits};
-use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, OxiDd};
+use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, SharedStore};
 use linewright_core::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use std::fmt;
 use std::ops::Range;
 
-/// Functions with more nodes than this are checked on `OxiDD`'s kernel instead of biodivine's.
+/// Functions with more nodes than this are checked on the shared store instead of biodivine's.
 const SMALL_NODES: usize = 2_000;
 
 /// A violated clause of the certified property.
@@ -147,7 +147,7 @@ pub fn certify(
     if functions.controls.diagram.nodes.len() <= SMALL_NODES {
         certify_on::<Biodivine>(specification, functions, limits)
     } else {
-        certify_on::<OxiDd>(specification, functions, limits)
+        certify_on::<SharedStore>(specification, functions, limits)
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Only this module uses a BDD package. The trait [`Kernel`] lists the operations that a GR(1) game
 //! needs. It has two implementations. [`Biodivine`], whose functions own their nodes, is for the
-//! many small contracts of a library. [`OxiDd`], with complement edges, a shared store and a
+//! many small contracts of a library. [`SharedStore`], with complement edges, a common store and a
 //! persistent cache, is for large contracts. [`Encoding`] assigns pairs of bits to the variables of
 //! a [`Specification`](linewright_core::gr1::Specification), each current bit next to its primed
 //! twin, and encodes expressions with exact arithmetic. [`Diagram`] holds functions as plain data.
@@ -13,7 +13,7 @@ mod diagram;
 mod encoding;
 mod kernel;
 mod limits;
-mod oxidd;
+mod shared;
 mod sift;
 #[cfg(test)]
 mod tests;
@@ -23,4 +23,4 @@ pub use diagram::{Diagram, DiagramNode, Edge};
 pub use encoding::Encoding;
 pub use kernel::{Bit, BitSet, Kernel, Order};
 pub use limits::{Budget, BudgetFactor, Limit, Limits};
-pub use oxidd::OxiDd;
+pub use shared::SharedStore;

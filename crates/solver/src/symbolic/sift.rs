@@ -18,7 +18,7 @@
 //! limited by the number of nodes that swaps touch, not by time, so that the same functions always
 //! get the same order.
 
-use super::{Bit, Diagram, Limits, Order};
+use super::{Bit, Diagram, DiagramNode, Edge, Limits, Order};
 use rustc_hash::FxHashMap;
 
 /// A direction is abandoned when the node count exceeds this percentage of the smallest count so
@@ -74,6 +74,8 @@ struct Node {
 #[derive(Debug)]
 pub struct Sifter {
     nodes: Vec<Node>,
+    /// Edges to the roots.
+    roots: Vec<u32>,
     free: Vec<u32>,
     /// Numbers of the nodes of each bit.
     levels: Vec<Vec<u32>>,
@@ -153,24 +155,37 @@ impl Table {
     }
 }
 
-/// Returns an order with fewer nodes, and the number of nodes before and after; `None` if no such
-/// order was found.
+/// Functions in a better order.
+#[derive(Debug)]
+pub struct Sifted {
+    /// The order found.
+    pub order: Order,
+    /// Number of nodes before.
+    pub before: usize,
+    /// Number of nodes after.
+    pub after: usize,
+    /// The functions in that order, with the roots as they were given.
+    pub diagram: Diagram,
+}
+
+/// Searches for an order with fewer nodes; returns `None` if none was found.
 ///
 /// `diagram` must respect `order`. Sifting stops after touching `max_work` nodes, or earlier if the
 /// work limit of the diagram is lower (see [`BASE_WORK`]).
-pub fn sift(
-    diagram: &Diagram,
-    order: &Order,
-    max_work: usize,
-    limits: &Limits,
-) -> Option<(Order, usize, usize)> {
+pub fn sift(diagram: &Diagram, order: &Order, max_work: usize, limits: &Limits) -> Option<Sifted> {
     let mut sifter = Sifter::new(diagram, order, limits);
     sifter.work = sifter.work.min(max_work);
     let before = sifter.size;
     let after = sifter.sift();
     (after < before).then(|| {
+        let diagram = sifter.diagram();
         let order = Order::new(sifter.order).expect("sifting lost a pair; please report this");
-        (order, before, after)
+        Sifted {
+            order,
+            before,
+            after,
+            diagram,
+        }
     })
 }
 
@@ -184,6 +199,7 @@ impl Sifter {
                 high: 0,
                 low: 0,
             }],
+            roots: Vec::new(),
             free: Vec::new(),
             levels: vec![Vec::new(); 2 * pairs],
             table: Table::default(),
@@ -198,7 +214,7 @@ impl Sifter {
         };
         // The constant of a `Diagram` is `false`; the constant here is `true`.
         let mut edges: Vec<u32> = Vec::with_capacity(diagram.nodes.len());
-        let edge = |edges: &[u32], e: super::Edge| match e.node() {
+        let edge = |edges: &[u32], e: Edge| match e.node() {
             None => u32::from(!e.is_negated()),
             Some(n) => edges[n] ^ u32::from(e.is_negated()),
         };
@@ -216,8 +232,9 @@ impl Sifter {
             };
             edges.push(made ^ negated);
         }
-        for root in &diagram.roots {
-            sifter.keep(edge(&edges, *root));
+        sifter.roots = diagram.roots.iter().map(|r| edge(&edges, *r)).collect();
+        for root in sifter.roots.clone() {
+            sifter.keep(root);
         }
         for pair in order.pairs() {
             sifter.drop_dead(Bit(2 * pair));
@@ -226,6 +243,31 @@ impl Sifter {
         sifter.work =
             BASE_WORK + WORK_PER_NODE * sifter.size + MORE_WORK * sifter.size.min(MANY_NODES);
         sifter
+    }
+
+    /// Returns the functions in the current order.
+    fn diagram(&self) -> Diagram {
+        let mut places = vec![0; self.nodes.len()];
+        let exported = |places: &[usize], edge: u32| {
+            let target = match (edge >> 1) as usize {
+                0 => Edge::TRUE,
+                node => Edge::to(places[node]),
+            };
+            target.flipped(edge & 1 == 1)
+        };
+        let mut nodes = Vec::with_capacity(self.size);
+        for pair in self.order.iter().rev() {
+            for bit in [Bit(2 * pair).primed(), Bit(2 * pair)] {
+                for number in &self.levels[bit.index()] {
+                    let node = self.nodes[*number as usize];
+                    let (high, low) = (exported(&places, node.high), exported(&places, node.low));
+                    places[*number as usize] = nodes.len();
+                    nodes.push(DiagramNode { bit, high, low });
+                }
+            }
+        }
+        let roots = self.roots.iter().map(|r| exported(&places, *r)).collect();
+        Diagram { nodes, roots }
     }
 
     /// Removes the nodes of a bit that have no references.

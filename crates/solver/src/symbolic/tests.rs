@@ -76,7 +76,7 @@ fn holds_at<K: Kernel>(
 /// `valid` is not 0.
 fn agrees(domains: &[(i64, i64)], expr: &Expr, valid: &Expr) {
     agrees_on::<Biodivine>(domains, expr, valid);
-    agrees_on::<OxiDd>(domains, expr, valid);
+    agrees_on::<SharedStore>(domains, expr, valid);
 }
 
 fn agrees_on<K: Kernel>(domains: &[(i64, i64)], expr: &Expr, valid: &Expr) {
@@ -223,7 +223,7 @@ fn domains_exclude_on<K: Kernel>() {
 #[test]
 fn domains_exclude_exactly_the_codes_without_a_value() {
     domains_exclude_on::<Biodivine>();
-    domains_exclude_on::<OxiDd>();
+    domains_exclude_on::<SharedStore>();
 }
 
 fn quantifying_and_renaming_on<K: Kernel>() {
@@ -257,7 +257,7 @@ fn quantifying_and_renaming_on<K: Kernel>() {
 #[test]
 fn quantifying_renaming_and_the_time_limit() {
     quantifying_and_renaming_on::<Biodivine>();
-    quantifying_and_renaming_on::<OxiDd>();
+    quantifying_and_renaming_on::<SharedStore>();
 }
 
 /// `(x0 = x1') ∧ (x1 = x2') ∧ …`, shifted: its size depends on the order.
@@ -299,7 +299,7 @@ fn out_of_nodes_is_a_value() {
         ..Limits::default()
     };
     assert!(fills::<Biodivine>(&few));
-    assert!(fills::<OxiDd>(&few));
+    assert!(fills::<SharedStore>(&few));
 }
 
 /// Makes a function that is large in this order, sifts, and quantifies. Returns the work, and the
@@ -350,7 +350,7 @@ fn work_is_counted_alike_whatever_else_goes_on() {
         });
     }
     alike::<Biodivine>();
-    alike::<OxiDd>();
+    alike::<SharedStore>();
 }
 
 /// Near a node limit, the package's own collector must not decide whether an operation fits.
@@ -364,7 +364,7 @@ fn room_for_nodes_is_the_same_every_time() {
             ..Limits::default()
         };
         let once = || {
-            let m = OxiDd::new(&Order::natural(34), &limits).unwrap();
+            let m = SharedStore::new(&Order::natural(34), &limits).unwrap();
             let ends = (0..17).try_fold(m.constant(true), |all, i| {
                 let a = m.literal(Bit(2 * i), true);
                 let b = m.literal(Bit(2 * (i + 17)).primed(), true);
@@ -419,7 +419,7 @@ fn the_factor_scales_budgets_and_tighter_limits_stay() {
 
 #[test]
 fn sifting_finds_the_small_order_and_keeps_every_function() {
-    let m = OxiDd::new(&Order::natural(24), &small()).unwrap();
+    let m = SharedStore::new(&Order::natural(24), &small()).unwrap();
     let f = chain(&m, 24);
     let other = m.and_not(&f, &m.literal(Bit(3), true)).unwrap();
     let before = m.size(&f);
@@ -506,5 +506,29 @@ fn both_kernels_agree_with_truth_tables() {
         }
     }
     on::<Biodivine>();
-    on::<OxiDd>();
+    on::<SharedStore>();
+}
+
+/// A deadline ends an operation that would take hours, and leaves all functions as they were.
+#[test]
+fn a_deadline_ends_an_operation() {
+    use linewright_core::deadline::{Deadline, StopReason};
+
+    let m = SharedStore::new(&Order::natural(60), &Limits::default()).unwrap();
+    // Each sum has about 2^15 nodes in this order; their conjunction has 2^30.
+    let sum = |range: std::ops::Range<u16>| {
+        range.fold(m.constant(false), |sum, i| {
+            let a = m.literal(Bit(2 * i), true);
+            let b = m.literal(Bit(2 * (i + 30)), true);
+            m.xor(&sum, &m.and(&a, &b).unwrap()).unwrap()
+        })
+    };
+    let (a, b) = (sum(0..15), sum(15..30));
+    let before = m.export(&[&a, &b]);
+    let late = m.with_limits(&Limits {
+        deadline: Deadline::from_now(std::time::Duration::from_millis(100)),
+        ..Limits::default()
+    });
+    assert_eq!(late.and(&a, &b), Err(Limit::Stopped(StopReason::Time)));
+    assert_eq!(m.export(&[&a, &b]), before);
 }

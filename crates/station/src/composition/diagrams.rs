@@ -16,7 +16,7 @@ use linewright_core::source::Span;
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::order_by_structure;
 use linewright_solver::symbolic::{
-    Biodivine, BitSet, Budget, Encoding, Kernel, Limit, Limits, OxiDd,
+    Biodivine, BitSet, Budget, Encoding, Kernel, Limit, Limits, SharedStore,
 };
 
 /// Maximum number of nodes for a question in the first kernel, which starts fast. After that, the
@@ -34,7 +34,7 @@ pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> An
     let many = Limits::default().with_budget(Budget::WIRING);
     let answer = question.answer::<Biodivine>(&few);
     answer
-        .or_else(|_| question.answer::<OxiDd>(&many))
+        .or_else(|_| question.answer::<SharedStore>(&many))
         .unwrap_or(Answer::TooLarge)
 }
 

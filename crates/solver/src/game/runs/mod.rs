@@ -17,7 +17,7 @@ mod path;
 mod rule_encoder;
 
 use super::structure;
-use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, OxiDd};
+use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, SharedStore};
 use linewright_core::gr1::{
     Domain, Expr, Formula, FormulaKind, Side, Specification, Timing, VarId, Variable,
 };
@@ -121,7 +121,11 @@ impl Runs {
                 limits,
             )?)
         } else {
-            Box::new(RuleEncoder::<OxiDd>::new(&specification, &order, limits)?)
+            Box::new(RuleEncoder::<SharedStore>::new(
+                &specification,
+                &order,
+                limits,
+            )?)
         };
         Ok(Self {
             specification,
@@ -228,7 +232,7 @@ impl Runs {
             return Ok(false);
         }
         self.earlier_work = self.engine.work();
-        self.engine = Box::new(RuleEncoder::<OxiDd>::new(
+        self.engine = Box::new(RuleEncoder::<SharedStore>::new(
             &self.specification,
             &self.order,
             &self.limits,

@@ -3,8 +3,4 @@
 mod orders;
 mod parts;
 
-#[allow(dead_code, reason = "each test needs a part of it")]
-#[path = "../../../../../tests/solver/random.rs"]
-mod random;
-
-use random::{Random, specification, specification_with_goals};
+use crate::random::{Random, specification, specification_with_goals};

@@ -9,19 +9,19 @@ use super::super::progress::Progress;
 use super::super::set_up::set_up;
 use super::{Random, specification, specification_with_goals};
 use crate::symbolic::{
-    Biodivine, Bit, BitSet, BudgetFactor, Diagram, Kernel, Limit, Limits, Order, OxiDd,
+    Biodivine, Bit, BitSet, BudgetFactor, Diagram, Kernel, Limit, Limits, Order, SharedStore,
 };
 use linewright_core::deadline::Deadline;
 use linewright_core::gr1::Specification;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-type Function = <OxiDd as Kernel>::Function;
+type Function = <SharedStore as Kernel>::Function;
 
-/// `OxiDD`'s kernel with sifting at every safe point.
+/// The kernel with a shared store, with sifting at every safe point.
 #[derive(Debug, Clone)]
 struct Restless {
-    inner: OxiDd,
+    inner: SharedStore,
     /// Number of safe points that changed the order.
     changed: Arc<AtomicU64>,
 }
@@ -35,7 +35,7 @@ impl Kernel for Restless {
 
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
         Ok(Self {
-            inner: OxiDd::new(order, limits)?,
+            inner: SharedStore::new(order, limits)?,
             changed: Arc::default(),
         })
     }

@@ -3,7 +3,7 @@
 use super::super::clusters::Clustering;
 use super::super::diagram_builder::DiagramBuilder;
 use super::Random;
-use crate::symbolic::{Biodivine, Bit, BitSet, Edge, Kernel, Limits, Order, OxiDd};
+use crate::symbolic::{Biodivine, Bit, BitSet, Edge, Kernel, Limits, Order, SharedStore};
 
 const PAIRS: u16 = 6;
 
@@ -82,7 +82,7 @@ fn clusters_say_what_their_parts_say_and_keep_their_bound() {
     let mut differ = 0;
     for seed in 0..400 {
         let on_one = clusters_are_their_parts::<Biodivine>(seed);
-        let on_other = clusters_are_their_parts::<OxiDd>(seed);
+        let on_other = clusters_are_their_parts::<SharedStore>(seed);
         differ += usize::from(on_one) + usize::from(on_other);
     }
     println!("clusters by bits differ from those in order {differ} times of 800");
@@ -146,6 +146,6 @@ fn builder_agrees<K: Kernel>(seed: u64) {
 fn the_diagram_builder_computes_what_a_kernel_does() {
     for seed in 0..400 {
         builder_agrees::<Biodivine>(seed);
-        builder_agrees::<OxiDd>(seed);
+        builder_agrees::<SharedStore>(seed);
     }
 }
