@@ -156,6 +156,51 @@ contract Gripper {{
     }
 }
 
+/// A contract that is `moore` already is not advised to become so.
+#[test]
+fn moore_contracts_that_wait_for_each_other_get_other_advice() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let contracts = "moore contract A {
+    input b, c: bool
+    output a: bool
+    assume free: not b
+    guarantee both: always (b and a)
+    guarantee never: always (b -> (c xor c))
+}
+moore contract B {
+    input a: bool
+    output b, c: bool
+    assume free: always not a
+    guarantee none: not c and c and a
+}
+";
+    let advice = |contracts: &str| {
+        fs::write(folder.path().join("own.lw"), contracts).expect("a file");
+        let output = linewright(folder.path(), &["compose", "own.lw::A", "own.lw::B"]);
+        let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(
+            shown.contains("error[LW302]: within one step, `b` of B and `a` of A wait"),
+            "{shown}"
+        );
+        shown
+            .lines()
+            .find_map(|line| line.split_once("= help: "))
+            .expect("a help text")
+            .1
+            .to_owned()
+    };
+    let of_moore = advice(contracts);
+    assert!(
+        of_moore.starts_with("let what one of the contracts assumes or guarantees refer to"),
+        "{of_moore}"
+    );
+    let of_mealy = advice(&contracts.replace("moore contract B", "contract B"));
+    assert!(
+        of_mealy.starts_with("make one of the contracts `moore`"),
+        "{of_mealy}"
+    );
+}
+
 #[test]
 fn ports_that_do_not_fit_are_reported_and_can_be_renamed() {
     let output = at_root(&["compose", "std.handling.pick", "std.handling.place"]);

@@ -8,7 +8,7 @@ use linewright_algebra::proof::{
 };
 use linewright_algebra::replay;
 use linewright_algebra::system::{FormulaRef, System};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, FormulaKind, VarId};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, FormulaKind, Timing, VarId};
 use linewright_solver::game::Lasso;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -267,10 +267,18 @@ impl<'a> ProofPrinter<'a> {
                 }
             })
             .collect();
+        let drivers = found.variables.iter().map(|v| self.system.driver(*v));
+        let can_be_moore = drivers
+            .flatten()
+            .any(|part| self.system.components[part].timing == Timing::Mealy);
+        let help = if can_be_moore {
+            "make one of the contracts `moore`, so that its outputs do not depend on the others in the same step, or let it refer to the previous step"
+        } else {
+            "let what one of the contracts assumes or guarantees refer to the previous step, not to values that the other sets in the same step"
+        };
         (
             format!("within one step, {} wait for each other", list(&names)),
-            "make one of the contracts `moore`, so that its outputs do not depend on the others in the same step, or let it refer to the previous step"
-                .to_owned(),
+            help.to_owned(),
         )
     }
 
