@@ -165,7 +165,7 @@ fn moore_contracts_that_wait_for_each_other_get_other_advice() {
     output a: bool
     assume free: not b
     guarantee both: always (b and a)
-    guarantee never: always (b -> (c xor c))
+    guarantee absent: always (b -> (c xor c))
 }
 moore contract B {
     input a: bool
@@ -177,7 +177,7 @@ moore contract B {
     let advice = |contracts: &str| {
         fs::write(folder.path().join("own.lw"), contracts).expect("a file");
         let output = linewright(folder.path(), &["compose", "own.lw::A", "own.lw::B"]);
-        let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+        let shown = text(&output);
         assert!(
             shown.contains("error[LW302]: within one step, `b` of B and `a` of A wait"),
             "{shown}"

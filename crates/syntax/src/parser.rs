@@ -233,6 +233,11 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
             "the length of a conveyor is its places times its pitch: `conveyor belt places 4 pitch 0.25 m`",
         );
     }
+    if context == Rule::bad_line_item && word == "per" {
+        return Diagnostic::error(codes::SYNTAX, span, "`per` does not fit here").with_help(
+            "only a throughput has a rate, `throughput >= 20 per hour`; every other metric is of the whole run: `products >= 400`",
+        );
+    }
     let near = nearest(&word, words.iter().copied());
     let help = match near.ok_or_else(|| unit_meant(&word)) {
         Ok(near) if near != word => format!("did you mean `{near}`? {list}"),
@@ -436,7 +441,8 @@ fn finding_of(
             let hint = skills::hint(&word, around, positives);
             (
                 expectations(positives),
-                hint.or_else(|| scope_hint(positives)),
+                hint.or_else(|| scope_hint(positives))
+                    .or_else(|| metric_hint(&text[..at], positives)),
             )
         }
         ErrorVariant::CustomError { message } => (message.clone(), None),
@@ -487,6 +493,21 @@ fn scope_hint(expected: &[Rule]) -> Option<String> {
     let in_scope = expected.contains(&Rule::and_op) && !expected.contains(&Rule::or_op);
     in_scope.then(|| {
         "write the scope as `between p and q`, with brackets around `p` or `q` if it has operators"
+            .to_owned()
+    })
+}
+
+/// Returns help for a requirement whose metric is not followed by a comparison, or has another
+/// argument than a name.
+fn metric_hint(before: &str, expected: &[Rule]) -> Option<String> {
+    let after_metric = expected.contains(&Rule::compare_op) && !expected.contains(&Rule::and_op);
+    let in_argument = expected == [Rule::name] && before.trim_end().ends_with('(');
+    let in_requirement = before
+        .lines()
+        .next_back()
+        .is_some_and(|line| line.trim_start().starts_with("requirement"));
+    (in_requirement && (after_metric || in_argument)).then(|| {
+        "compare one metric with a bound, as in `energy <= 2 kWh` or `busy(press) >= 20 %`"
             .to_owned()
     })
 }

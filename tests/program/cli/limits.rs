@@ -28,6 +28,39 @@ fn a_time_limit_ends_a_run_that_would_last() {
     }
 }
 
+/// If the verdict is there in time but not all of its explanation, the finding says so. Within the
+/// first of these limits that suffices for the verdict, the search for suggestions cannot end.
+#[test]
+fn an_explanation_that_a_limit_stops_says_so() {
+    let session = Session::new();
+    let text = "contract Arbiter {
+    input r: array[24] of bool
+    output g: array[24] of bool
+    output c: 0..888
+    assume always forall i in r: (r[i] and not g[i] -> next r[i])
+    guarantee always ((count i in g: g[i]) <= 1)
+    guarantee c = 0
+    guarantee always (next c = (if g[0] then 0 else min(c + 1, 888)))
+    guarantee always forall i in g: (g[i] -> r[i])
+    guarantee forall i in g: always eventually (g[i] or not r[i])
+    guarantee always (c < 888)
+}
+";
+    std::fs::write(session.path("arbiter.lw"), text).expect("a file");
+    let printed = ["0.5", "1", "2", "4", "8"]
+        .into_iter()
+        .map(|seconds| session.run(&format!("check arbiter.lw --no-cache --timeout {seconds}")))
+        .find(|printed| printed.code == 1)
+        .expect("a verdict");
+    for text in [
+        "error[LW203]",
+        "= note: this explanation is incomplete: the time limit was reached; give it more time",
+    ] {
+        let shown = format!("{}{}", printed.out, printed.err);
+        assert!(shown.contains(text), "{shown}");
+    }
+}
+
 #[test]
 fn the_other_contracts_keep_their_verdicts() {
     let session = Session::new();

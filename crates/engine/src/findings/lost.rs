@@ -48,6 +48,13 @@ pub fn finding(
     if contradictory {
         finding = finding.with_note(note_on_contradiction(s, advice));
     }
+    if let Some(limit) = explained.and_then(|e| e.stopped_by) {
+        let remedy = limit.remedy().map(|remedy| format!("; {remedy}"));
+        finding = finding.with_note(format!(
+            "this explanation is incomplete: {limit}{}",
+            remedy.unwrap_or_default()
+        ));
+    }
     let suggestions = advice
         .map(|a| suggestions(s, format, a))
         .unwrap_or_default();

@@ -21,6 +21,9 @@ pub struct Explanation {
     pub advice: Option<Advice>,
     /// Whether the result would be the same without a time limit or an interrupt.
     pub complete: bool,
+    /// Limit that the user can raise and that stopped the explanation.
+    #[serde(skip)]
+    pub stopped_by: Option<Limit>,
 }
 
 /// Explains the contract as far as the limits allow. Intermediate results are passed to `report`.
@@ -45,7 +48,7 @@ pub(super) fn explain(
             let rule = "the core of an unrealizable contract has no counterstrategy";
             return Err(InternalError::new(specification, rule.to_owned()));
         }
-        Err(limit) => return Ok(explained.stopped(limit)),
+        Err(limit) => return Ok(explained.stopped(limits.attribute(limit))),
     };
     let machine = mealy::counter::to_machine(&small, &attack);
     match mealy::verify::verify_counterstrategy(&small, &machine, &limits) {
@@ -56,13 +59,13 @@ pub(super) fn explain(
                 violation.clause.to_string(),
             ));
         }
-        Err(limit) => explained = explained.stopped(limit),
+        Err(limit) => explained = explained.stopped(limits.attribute(limit)),
     }
     explained.play = Some(attack.play.clone().with_original_references(core));
     report(&explained);
     match game::advise(specification, core, &attack.play, &limits) {
         Ok(advice) => explained.advice = Some(advice),
-        Err(limit) => explained = explained.stopped(limit),
+        Err(limit) => explained = explained.stopped(limits.attribute(limit)),
     }
     Ok(explained)
 }
@@ -70,8 +73,9 @@ pub(super) fn explain(
 impl Explanation {
     /// Records that a limit stopped the explanation. Only a deadline or an interrupt makes it
     /// incomplete: other limits give the same result in every run.
-    fn stopped(mut self, limit: Limit) -> Self {
+    pub(super) fn stopped(mut self, limit: Limit) -> Self {
         self.complete &= !matches!(limit, Limit::Stopped(_));
+        self.stopped_by = self.stopped_by.or(Some(limit).filter(|l| l.is_external()));
         self
     }
 }

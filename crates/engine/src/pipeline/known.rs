@@ -60,6 +60,10 @@ impl Analysis {
         if requested && matches!(self.controller, Controller::NotRequested) {
             self.controller = Controller::Stopped(limit);
         }
+        if !self.realizable && job.goal > Goal::Answer {
+            let explanation = self.explanation.unwrap_or_default();
+            self.explanation = Some(Box::new(explanation.stopped(limit)));
+        }
         self
     }
 

@@ -44,8 +44,10 @@ impl Task {
                 Completion::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
                 // In this phase, the contract is known to be unrealizable; only the search for its
                 // core was still running.
-                Completion::Abandoned(_, None) if solve.phase() == Phase::Core => {
-                    Analysis::without_core(&solve, &job.specification).into_contract(&job, examine)
+                Completion::Abandoned(late, None) if solve.phase() == Phase::Core => {
+                    Analysis::without_core(&solve, &job.specification)
+                        .stopped(late.into(), &job)
+                        .into_contract(&job, examine)
                 }
                 Completion::Abandoned(late, None) => gave_up(&job, late.into(), &solve),
                 Completion::Abandoned(late, Some(known)) => {
@@ -212,6 +214,11 @@ impl Task {
                     })
                 })?;
                 known.explanation = Some(Box::new(explanation));
+            }
+            // The search for a core ends without one only at a limit.
+            if known.core.is_none() {
+                let limit = limits.check_time().err().unwrap_or(Limit::Memory);
+                known = known.stopped(limit, &self.job);
             }
             return Ok(Ok(known));
         };

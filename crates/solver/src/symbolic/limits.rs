@@ -178,7 +178,7 @@ impl Limits {
 
     /// Corrects a reported [`Limit::Memory`] to [`Limit::Nodes`] if the memory has ample room for
     /// the allowed nodes (128 bytes for each), so that the node limit must be the cause.
-    pub(crate) fn attribute(&self, limit: Limit) -> Limit {
+    pub fn attribute(&self, limit: Limit) -> Limit {
         const BYTES: u64 = 128;
         let has_room = |nodes: u64| {
             let memory = self.memory_mib.map(|mib| mib.saturating_mul(1 << 20));

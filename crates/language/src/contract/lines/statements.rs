@@ -225,10 +225,11 @@ impl<'a> Builder<'a, '_> {
                 (Metric::Busy(node), Dimension::None, 1.0)
             }
             (other, _) => {
+                let metrics = format!("the metrics are {}(station)", NAMES.join(", "));
                 let help = match nearest(other, NAMES.into_iter()) {
                     Some("busy") => "write `busy(station)`".to_owned(),
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("the metrics are {}(station)", NAMES.join(", ")),
+                    Some(near) => format!("did you mean `{near}`? {metrics}"),
+                    None => metrics,
                 };
                 self.e.findings.error_with(
                     codes::NAME_UNKNOWN,

@@ -25,10 +25,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use store::{Link, MAX_NODES, Stop, Store};
 
-/// Bytes per node, including its slots in the unique table.
-const BYTES_PER_NODE: u64 = 28;
+/// Maximum bytes per node: itself, its slots in the unique table while that grows, and the copy
+/// that is sifted.
+const BYTES_PER_NODE: u64 = 44;
 
-/// Capacity of the store in nodes without a memory limit: about 3.5 GiB when full.
+/// Capacity of the store in nodes without a memory limit: about 5 GiB when full.
 const USUAL_NODES: u64 = 1 << 27;
 
 /// Minimum useful capacity of the store in nodes.

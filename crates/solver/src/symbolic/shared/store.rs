@@ -216,6 +216,12 @@ impl Store {
         self.count
     }
 
+    /// Number of bytes of the nodes and of their table, without the cache.
+    #[cfg(test)]
+    pub fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>() + self.slots.len() * size_of::<u64>()
+    }
+
     /// Number of nodes created so far.
     pub fn created(&self) -> u64 {
         self.created

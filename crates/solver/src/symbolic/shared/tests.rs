@@ -125,6 +125,30 @@ fn nodes_are_unique_and_collections_exact() {
     assert_eq!(m.peak_nodes(), made);
 }
 
+/// A full store keeps its memory limit, with room for the copy that is sifted.
+#[test]
+fn a_full_store_keeps_its_memory_limit() {
+    for memory_mib in [4, 9, 16, 33] {
+        let limits = Limits {
+            memory_mib: Some(memory_mib),
+            ..Limits::default()
+        };
+        let m = SharedStore::new(&Order::natural(60), &limits).unwrap();
+        m.set_reordering(false);
+        // In this order, each further factor doubles the number of nodes.
+        let end = (0..30).try_fold(m.constant(true), |all, i| {
+            let a = m.literal(Bit(2 * i), true);
+            let b = m.literal(Bit(2 * (i + 30)), true);
+            m.and(&all, &m.iff(&a, &b)?)
+        });
+        assert_eq!(end, Err(Limit::Memory));
+        let bytes = m.state().store.bytes() as u64;
+        let limit = memory_mib << 20;
+        assert!(bytes * 4 <= limit * 3, "{bytes} bytes at {memory_mib} MiB");
+        assert!(bytes * 4 >= limit, "{bytes} bytes at {memory_mib} MiB");
+    }
+}
+
 /// Without room for a result, what the caller has dropped makes room.
 #[test]
 fn a_full_store_is_collected_and_the_operation_repeated() {
