@@ -796,16 +796,16 @@ fn trial(
         let verdict = || catch_unwind(AssertUnwindSafe(|| verdict(case)));
         let (verdict, asked) = switch::with(Some(mutant), most, verdict);
         match verdict {
-            _ if asked > most => Told::Nothing,
-            Ok(verdict) if case.allows(&verdict) => Told::Right,
-            _ => Told::Wrong,
+            _ if asked > most => Judgement::Nothing,
+            Ok(verdict) if case.allows(&verdict) => Judgement::Right,
+            _ => Judgement::Wrong,
         }
     };
     for k in order {
         tried += 1;
         match run(k, 20 * known[k].2 + 10_000) {
-            Told::Right => {}
-            Told::Wrong => {
+            Judgement::Right => {}
+            Judgement::Wrong => {
                 kills[k] += 1;
                 return Trial {
                     mutant,
@@ -815,12 +815,12 @@ fn trial(
                 };
             }
             // It may only have more to do: other cases are tried first.
-            Told::Nothing => long = long.or(Some(k)),
+            Judgement::Nothing => long = long.or(Some(k)),
         }
     }
     let endless = long.is_some_and(|k| {
         let most = ENDLESS.max(100 * known[k].2);
-        !matches!(run(k, most), Told::Right)
+        !matches!(run(k, most), Judgement::Right)
     });
     Trial {
         mutant,
@@ -831,7 +831,7 @@ fn trial(
 }
 
 /// Result of a mutant on a case.
-enum Told {
+enum Judgement {
     Right,
     Wrong,
     /// No result in the available time.
