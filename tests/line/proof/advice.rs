@@ -42,8 +42,13 @@ line L {{
 }}
 "
     );
+    advice_on(&text)
+}
+
+/// Returns the advice on the first finding about the line of a file; `None` if it is proved.
+fn advice_on(text: &str) -> Option<String> {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("joined.lw");
+    let file = folder.path().join("line.lw");
     std::fs::write(&file, text).expect("a file");
     let line = load(&file.display().to_string());
     let abstraction = Abstraction::of(&line).expect("an abstraction");
@@ -70,4 +75,53 @@ fn the_parts_that_fill_a_circle_are_limited() {
         "{help}"
     );
     assert!(!help.contains("source q"), "{help}");
+}
+
+/// A station that passes parts to itself blocks with a single one, so no limit helps.
+#[test]
+fn a_station_in_a_circle_with_itself_needs_a_buffer() {
+    let text = "contract Work {
+    input requested: bool
+    output finished: bool
+    guarantee reports: always (finished <-> requested)
+}
+
+machine Press {
+    property passes: 0..3 = 0
+    action work: Work when operation = press {
+        requested = operation = press
+        time 2 s
+    }
+    operation press: work
+    done work.finished
+    write passes = min(passes + 1, 3)
+}
+
+line Itself {
+    part Plate {
+        property passes: 0..3 = 0
+    }
+    source rack: Plate every 5 s, at most 2 in the line
+    station press: Press {
+        perform press on Plate
+    }
+    sink box
+    route Plate: rack -> press
+    route Plate: press -> press when passes < 2
+    route Plate: press -> box otherwise
+}
+";
+    let help = advice_on(text).expect("a circle");
+    assert!(
+        help.starts_with("Put a buffer into the cycle press,"),
+        "{help}"
+    );
+    let buffered = text
+        .replace("sink box", "sink box\n    buffer again capacity 2")
+        .replace("press -> press when", "press -> again when")
+        .replace(
+            "route Plate: press -> box",
+            "route Plate: again -> press\n    route Plate: press -> box",
+        );
+    assert_eq!(advice_on(&buffered), None);
 }

@@ -61,6 +61,29 @@ fn an_explanation_that_a_limit_stops_says_so() {
     }
 }
 
+/// No kernel can number so many bits; that is a limit, not an internal error.
+#[test]
+fn a_contract_with_too_many_bits_has_no_verdict() {
+    let session = Session::new();
+    let text = "contract Wide {
+    input readings: array[2048] of 0..65535
+    output high: bool
+    guarantee first: always (high <-> readings[0] > 3)
+}
+";
+    std::fs::write(session.path("wide.lw"), text).expect("a file");
+    for options in [
+        "",
+        "--kernel biodivine",
+        "--kernel shared --without structure",
+    ] {
+        let printed = session.run(&format!("check wide.lw --no-cache {options}"));
+        assert_eq!(printed.code, 3, "{options}: {}{}", printed.out, printed.err);
+        let wanted = "no verdict on `Wide`: its variables take more than 32767 bits";
+        assert!(printed.out.contains(wanted), "{options}: {}", printed.out);
+    }
+}
+
 #[test]
 fn the_other_contracts_keep_their_verdicts() {
     let session = Session::new();

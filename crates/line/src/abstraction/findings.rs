@@ -194,7 +194,12 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
             PlaceKind::Conveyor { .. } | PlaceKind::Room { .. }
         )
     });
-    let fewer = fewer(line, shape, chain);
+    // A station that passes parts to itself blocks with a single one.
+    let fewer = if chain.places.len() == 1 && !has_room {
+        Vec::new()
+    } else {
+        fewer(line, shape, chain)
+    };
     let way_out = "give parts in it a way out by another station";
     match (has_room, fewer.is_empty()) {
         (true, true) => format!("Make room for more parts in the cycle {names}, or {way_out}."),

@@ -13,7 +13,7 @@
 //! bits can be encoded only in a good order. So above [`MANY_PAIRS`], comparisons of numbers are
 //! hyperedges, too.
 
-use crate::symbolic::{Bit, Encoding, Order};
+use crate::symbolic::{Bit, Encoding, MAX_PAIRS, Order};
 use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
 
 /// Maximum number of rounds; spans hardly shrink after the first few.
@@ -27,6 +27,9 @@ pub const MANY_PAIRS: usize = 48;
 /// all `pairs` bit pairs. The pairs of a variable are adjacent. Pairs that belong to no variable
 /// come last.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
+    if pairs > MAX_PAIRS {
+        return Order::natural(pairs);
+    }
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);
     let parts: Vec<&Expr> = formulas.flat_map(|f| f.expr.conjuncts()).collect();

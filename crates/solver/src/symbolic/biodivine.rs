@@ -9,7 +9,7 @@
 //! if the operands are small enough for their product to be harmless. For larger operands,
 //! conjunction and quantification are separate operations, each with a limit.
 
-use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
+use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, MAX_PAIRS, Order};
 use biodivine_lib_bdd::{Bdd, BddNode, BddValuation, BddVariable, BddVariableSet, op_function};
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
@@ -207,10 +207,10 @@ impl Kernel for Biodivine {
     const REORDERS: bool = false;
 
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
-        let variables = 2 * order.pairs().len();
-        if variables > usize::from(u16::MAX) {
-            return Err(Limit::Size);
+        if order.pairs().len() > MAX_PAIRS {
+            return Err(Limit::Bits);
         }
+        let variables = 2 * order.pairs().len();
         Ok(Self {
             variables: Arc::new(BddVariableSet::new_anonymous(variables as u16)),
             positions: Arc::new(order.positions()),

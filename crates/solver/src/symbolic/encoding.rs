@@ -35,7 +35,9 @@ impl Encoding {
             .iter()
             .map(|v| {
                 let count = (u64::BITS - (v.domain.size() - 1).leading_zeros()) as usize;
-                let bits = (pairs..pairs + count).map(|p| Bit(2 * p as u16)).collect();
+                let bits = (pairs..pairs + count)
+                    .map(|p| Bit((2 * p) as u16))
+                    .collect();
                 pairs += count;
                 Layout {
                     low: v.domain.low(),

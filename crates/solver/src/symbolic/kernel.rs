@@ -34,6 +34,10 @@ impl Bit {
     }
 }
 
+/// Maximum number of pairs of bits, so that the number of each bit fits into a [`Bit`]. A kernel
+/// for more pairs cannot be created ([`Limit::Bits`]).
+pub const MAX_PAIRS: usize = 32_767;
+
 /// A set of bits to quantify.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
 pub struct BitSet(Vec<bool>);
@@ -79,9 +83,10 @@ impl BitSet {
 pub struct Order(Vec<u16>);
 
 impl Order {
-    /// Creates the order `0, 1, ..., pairs - 1`, from top to bottom.
+    /// Creates the order `0, 1, ..., pairs - 1`, from top to bottom. With more than [`MAX_PAIRS`],
+    /// it is one for which no kernel can be created.
     pub fn natural(pairs: usize) -> Self {
-        Self((0..pairs as u16).collect())
+        Self((0..pairs.min(MAX_PAIRS + 1) as u16).collect())
     }
 
     /// Creates an order from its pairs, the topmost first; `None` unless each of `0..pairs.len()`
@@ -123,7 +128,7 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// Whether the package can change its order.
     const REORDERS: bool;
 
-    /// Creates a kernel for functions over the pairs of bits in `order`.
+    /// Creates a kernel for functions over the pairs of bits in `order`, at most [`MAX_PAIRS`].
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit>;
 
     /// Returns a handle to the same kernel whose operations obey other limits.

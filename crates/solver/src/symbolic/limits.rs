@@ -37,6 +37,9 @@ pub enum Limit {
     /// The machine has too many states or transitions to list them.
     #[error("the machine is too large to be listed state by state")]
     Size,
+    /// The variables take more pairs of bits than [`Bit`](super::Bit) can number.
+    #[error("its variables take more than {} bits", super::MAX_PAIRS)]
+    Bits,
     /// The work budget is used up; carries the budget in units.
     #[error("the proof took more than {0} units of work")]
     Work(u64),
@@ -57,7 +60,7 @@ impl Limit {
         match self {
             Self::Stopped(reason) => Some(reason.remedy()),
             Self::Memory => Some("allow more memory with --memory MIB"),
-            Self::Size => None,
+            Self::Size | Self::Bits => None,
             Self::Work(_) | Self::Nodes(_) => Some("raise the work limit with --effort FACTOR"),
         }
     }

@@ -21,6 +21,6 @@ mod tests;
 pub use biodivine::Biodivine;
 pub use diagram::{Diagram, DiagramNode, Edge};
 pub use encoding::Encoding;
-pub use kernel::{Bit, BitSet, Kernel, Order};
+pub use kernel::{Bit, BitSet, Kernel, MAX_PAIRS, Order};
 pub use limits::{Budget, BudgetFactor, Limit, Limits};
 pub use shared::SharedStore;

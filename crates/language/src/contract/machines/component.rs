@@ -1,5 +1,6 @@
 //! Resolution of a machine's components: bindings of inputs, times and powers.
 
+use super::settings::out_of_range;
 use super::{Parts, jobs, nested, plant, same_step};
 use crate::contract::elaborate::{Elaborator, Findings, Names, VariableTable, fitted, nearest};
 use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
@@ -120,6 +121,7 @@ pub(super) fn component<'a>(
     let time = decl.time.as_ref().and_then(|(value, per_step)| {
         let term = e.quantity(value, Dimension::Time)?;
         let real = term.to_real(properties);
+        report_out_of_range(wires, value, &real, Dimension::Time);
         Some(if *per_step {
             ActionTime::PerStep(real)
         } else {
@@ -129,8 +131,12 @@ pub(super) fn component<'a>(
     let watts = decl
         .power
         .as_ref()
-        .and_then(|value| e.quantity(value, Dimension::Power))
-        .map_or(RealExpr::Number(0.0), |t| t.to_real(properties));
+        .and_then(|value| {
+            let real = e.quantity(value, Dimension::Power)?.to_real(properties);
+            report_out_of_range(wires, value, &real, Dimension::Power);
+            Some(real)
+        })
+        .unwrap_or(RealExpr::Number(0.0));
     if decl.is_coordinator() {
         warn_without_effect(&mut wires.findings, decl);
     } else if (decl.time.is_some() || decl.power.is_some()) && decl.when.is_none() {
@@ -159,6 +165,22 @@ pub(super) fn component<'a>(
         watts,
         span: decl.name.span,
     })
+}
+
+/// Reports a constant time or power that no run supports.
+fn report_out_of_range(
+    wires: &mut Elaborator<'_>,
+    written: &ast::Expr,
+    value: &RealExpr,
+    dimension: Dimension,
+) {
+    if let RealExpr::Number(value) = value
+        && let Some((message, help)) = out_of_range(*value, dimension)
+    {
+        wires
+            .findings
+            .error_with(codes::ARGUMENT, written.span, message, help);
+    }
 }
 
 /// Warns about times and powers of a coordinator, which have no effect.

@@ -203,7 +203,17 @@ pub(in crate::contract) fn non_negative<'a>(
         );
         return None;
     }
-    let unmeasured = match dimension {
+    if let Some((message, help)) = out_of_range(value, dimension) {
+        e.findings
+            .error_with(codes::ARGUMENT, x.span, message, help);
+        return None;
+    }
+    Some(value)
+}
+
+/// Returns a message and a help text if a run does not support this duration or power.
+pub(super) fn out_of_range(value: f64, dimension: Dimension) -> Option<(String, String)> {
+    match dimension {
         Dimension::Time if !is_duration(value) => Some((
             format!("{value:e} s is not a valid duration"),
             format!("write 0 s, or a time from {MIN_SECONDS:e} s to {MAX_SECONDS:e} s"),
@@ -213,13 +223,7 @@ pub(in crate::contract) fn non_negative<'a>(
             format!("write a power up to {MAX_WATTS:e} W"),
         )),
         _ => None,
-    };
-    if let Some((message, help)) = unmeasured {
-        e.findings
-            .error_with(codes::ARGUMENT, x.span, message, help);
-        return None;
     }
-    Some(value)
 }
 
 /// Resolves `mtbf a mttr b`.

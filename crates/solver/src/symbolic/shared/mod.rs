@@ -17,7 +17,7 @@ mod store;
 #[cfg(test)]
 mod tests;
 
-use super::{Bit, BitSet, Diagram, Kernel, Limit, Limits, Order, sift};
+use super::{Bit, BitSet, Diagram, Kernel, Limit, Limits, MAX_PAIRS, Order, sift};
 use rustc_hash::FxHashMap;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -325,6 +325,9 @@ impl Kernel for SharedStore {
 
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
         let pairs = order.pairs().len();
+        if pairs > MAX_PAIRS {
+            return Err(Limit::Bits);
+        }
         let by_memory = Limits {
             max_nodes: None,
             ..*limits
