@@ -167,7 +167,8 @@ pub(super) fn component<'a>(
     })
 }
 
-/// Reports a constant time or power that no run supports.
+/// Reports a constant time or power that no run supports. The proof of the line reports one that is
+/// not finite, together with the part for which this is so.
 fn report_out_of_range(
     wires: &mut Elaborator<'_>,
     written: &ast::Expr,
@@ -175,6 +176,7 @@ fn report_out_of_range(
     dimension: Dimension,
 ) {
     if let RealExpr::Number(value) = value
+        && value.is_finite()
         && let Some((message, help)) = out_of_range(*value, dimension)
     {
         wires
