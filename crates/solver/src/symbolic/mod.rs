@@ -13,6 +13,7 @@ mod diagram;
 mod encoding;
 mod kernel;
 mod limits;
+mod link;
 mod shared;
 mod sift;
 #[cfg(test)]

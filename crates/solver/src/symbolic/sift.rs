@@ -18,6 +18,7 @@
 //! limited by the number of nodes that swaps touch, not by time, so that the same functions always
 //! get the same order.
 
+use super::link::Link;
 use super::{Bit, Diagram, DiagramNode, Edge, Limits, Order};
 use rustc_hash::FxHashMap;
 
@@ -214,10 +215,7 @@ impl Sifter {
         };
         // The constant of a `Diagram` is `false`; the constant here is `true`.
         let mut edges: Vec<u32> = Vec::with_capacity(diagram.nodes.len());
-        let edge = |edges: &[u32], e: Edge| match e.node() {
-            None => u32::from(!e.is_negated()),
-            Some(n) => edges[n] ^ u32::from(e.is_negated()),
-        };
+        let edge = |edges: &[u32], e: Edge| Link::import(e, |node| Link(edges[node])).0;
         let mut known: FxHashMap<(Bit, u32, u32), u32> = FxHashMap::default();
         for node in &diagram.nodes {
             let (high, low) = (edge(&edges, node.high), edge(&edges, node.low));
@@ -248,13 +246,8 @@ impl Sifter {
     /// Returns the functions in the current order.
     fn diagram(&self) -> Diagram {
         let mut places = vec![0; self.nodes.len()];
-        let exported = |places: &[usize], edge: u32| {
-            let target = match (edge >> 1) as usize {
-                0 => Edge::TRUE,
-                node => Edge::to(places[node]),
-            };
-            target.flipped(edge & 1 == 1)
-        };
+        let exported =
+            |places: &[usize], edge: u32| Link(edge).export(|node| places[node as usize]);
         let mut nodes = Vec::with_capacity(self.size);
         for pair in self.order.iter().rev() {
             for bit in [Bit(2 * pair).primed(), Bit(2 * pair)] {

@@ -13,17 +13,19 @@
 //! - Node counts, collections and orders depend only on the operations, not on time, addresses or
 //!   other threads. So limits on nodes and work give the same answer every time.
 
+mod operations;
 mod store;
 #[cfg(test)]
 mod tests;
 
+use super::link::Link;
 use super::{Bit, BitSet, Diagram, Kernel, Limit, Limits, MAX_PAIRS, Order, sift};
 use rustc_hash::FxHashMap;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use store::{Link, MAX_NODES, Stop, Store};
+use store::{MAX_NODES, Stop, Store};
 
 /// Maximum bytes per node: itself, its slots in the unique table while that grows, and the copy
 /// that is sifted.
@@ -280,7 +282,7 @@ impl SharedStore {
         self.limits.check_time()?;
         let mut state = self.state();
         self.limits.check_work(state.work())?;
-        state.store.set_limits(&self.limits);
+        state.store.set_deadline(self.limits.deadline);
         let mut result = operation(&mut state.store);
         if result == Err(Stop::Full) {
             state.collect();
@@ -292,7 +294,7 @@ impl SharedStore {
         let function = match result {
             Ok(link) => state.function(link),
             Err(Stop::Full) => return Err(Limit::Memory),
-            Err(Stop::Late) => return Err(state.store.lateness().unwrap_or(Limit::Memory)),
+            Err(Stop::Late(reason)) => return Err(Limit::Stopped(reason)),
         };
         state.operations += 1;
         if state.nodes() > self.shared.capacity {

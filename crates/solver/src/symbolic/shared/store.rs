@@ -7,11 +7,14 @@
 //! and growing the table reads no nodes. Nodes carry no reference counts: a collection marks what
 //! the given roots reach. So an operation writes no node that exists already.
 
-use super::super::{Bit, Diagram, DiagramNode, Edge, Limit, Limits, Order};
+use super::super::link::Link;
+use super::super::{Bit, Diagram, DiagramNode, Order};
+use super::operations::Key;
+use linewright_core::deadline::{Deadline, StopReason};
 use rustc_hash::FxHashMap;
 
 /// Level of the constant, below every bit.
-const BOTTOM: u32 = (1 << 30) - 1;
+pub(super) const BOTTOM: u32 = (1 << 30) - 1;
 
 /// Level of a free place in the list of nodes.
 const FREE: u32 = 1 << 30;
@@ -28,49 +31,6 @@ pub const MAX_NODES: u64 = 1 << 30;
 /// Number of results computed between two checks of the deadline; they take about a millisecond.
 const CHECK_INTERVAL: u32 = 1 << 15;
 
-/// An edge: twice the number of its target node, plus one if it is negated. Node 0 is the constant
-/// true.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Link(u32);
-
-impl Link {
-    /// The constant true.
-    pub const TRUE: Self = Self(0);
-    /// The constant false.
-    pub const FALSE: Self = Self(1);
-
-    pub fn to(node: u32) -> Self {
-        Self(node << 1)
-    }
-
-    /// Number of the target node.
-    pub fn node(self) -> u32 {
-        self.0 >> 1
-    }
-
-    pub fn is_negated(self) -> bool {
-        self.0 & 1 == 1
-    }
-
-    pub fn negated(self) -> Self {
-        Self(self.0 ^ 1)
-    }
-
-    /// Returns the edge, negated if `negate`.
-    pub fn flipped(self, negate: bool) -> Self {
-        Self(self.0 ^ u32::from(negate))
-    }
-
-    /// Returns the edge to the same node that is not negated.
-    pub fn plain(self) -> Self {
-        Self(self.0 & !1)
-    }
-
-    fn sign(self) -> u32 {
-        self.0 & 1
-    }
-}
-
 /// A decision node. Its high edge is not negated.
 #[derive(Debug, Clone, Copy)]
 struct Node {
@@ -85,41 +45,7 @@ pub enum Stop {
     /// There is no room for another node.
     Full,
     /// The deadline has passed, or the command was interrupted.
-    Late,
-}
-
-/// Operations whose results the cache holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Operation {
-    And,
-    Xor,
-    Exists,
-    Restrict,
-    Rename,
-}
-
-/// Operands of an operation as the key of a cache entry. Edges leave the topmost bit of each number
-/// free. It is set in the third if that is the set of bits of a fused product, and in the first if
-/// the third is an [`Operation`]; otherwise the operands are those of a choice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Key([u32; 3]);
-
-const FLAG: u32 = 1 << 31;
-
-impl Key {
-    const NONE: Self = Self([u32::MAX; 3]);
-
-    fn of(operation: Operation, a: Link, b: Link) -> Self {
-        Self([a.0 | FLAG, b.0, operation as u32])
-    }
-
-    fn product(a: Link, b: Link, bits: Link) -> Self {
-        Self([a.0, b.0, bits.0 | FLAG])
-    }
-
-    fn choice(c: Link, a: Link, b: Link) -> Self {
-        Self([c.0, a.0, b.0])
-    }
+    Late(StopReason),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -154,10 +80,9 @@ pub struct Store {
     /// Level of each bit.
     levels: Vec<u32>,
     order: Order,
-    /// Limits of the current operation, and results to compute until its next check of time.
-    limits: Limits,
+    /// Deadline of the current operation, and results to compute until it is checked again.
+    deadline: Deadline,
     until_check: u32,
-    lateness: Option<Limit>,
     /// Number of nodes created so far.
     created: u64,
 }
@@ -186,9 +111,8 @@ impl Store {
             bits: Vec::new(),
             levels: Vec::new(),
             order: order.clone(),
-            limits: Limits::default(),
+            deadline: Deadline::NONE,
             until_check: CHECK_INTERVAL,
-            lateness: None,
             created: 0,
         };
         store.set_order(order);
@@ -227,14 +151,9 @@ impl Store {
         self.created
     }
 
-    /// Sets the limits of the next operations.
-    pub fn set_limits(&mut self, limits: &Limits) {
-        self.limits = *limits;
-    }
-
-    /// Why the last operation that ended late did so.
-    pub fn lateness(&self) -> Option<Limit> {
-        self.lateness
+    /// Sets the deadline of the next operations.
+    pub fn set_deadline(&mut self, deadline: Deadline) {
+        self.deadline = deadline;
     }
 
     pub fn level(&self, link: Link) -> u32 {
@@ -248,20 +167,14 @@ impl Store {
     /// Returns the cofactors for the values 1 and 0 of the bit that the target tests.
     pub fn children(&self, link: Link) -> (Link, Link) {
         let node = &self.nodes[link.node() as usize];
-        (
-            Link(node.high.0 ^ link.sign()),
-            Link(node.low.0 ^ link.sign()),
-        )
+        let negate = link.is_negated();
+        (node.high.flipped(negate), node.low.flipped(negate))
     }
 
     /// Returns the cofactors for a level that is not below the target's.
-    fn cofactors(&self, link: Link, level: u32) -> (Link, Link) {
-        let node = &self.nodes[link.node() as usize];
-        if node.level == level {
-            (
-                Link(node.high.0 ^ link.sign()),
-                Link(node.low.0 ^ link.sign()),
-            )
+    pub(super) fn cofactors(&self, link: Link, level: u32) -> (Link, Link) {
+        if self.level(link) == level {
+            self.children(link)
         } else {
             (link, link)
         }
@@ -274,12 +187,12 @@ impl Store {
     }
 
     /// Returns the edge to the node with these children, creating it if it does not exist.
-    fn make(&mut self, level: u32, high: Link, low: Link) -> Result<Link, Stop> {
+    pub(super) fn make(&mut self, level: u32, high: Link, low: Link) -> Result<Link, Stop> {
         if high == low {
             return Ok(high);
         }
-        let sign = high.sign();
-        let (high, low) = (Link(high.0 ^ sign), Link(low.0 ^ sign));
+        let negate = high.is_negated();
+        let (high, low) = (high.flipped(negate), low.flipped(negate));
         let hash = (mix(high.0, low.0, level) >> 32) as u32;
         let mask = self.slots.len() - 1;
         let mut place = hash as usize & mask;
@@ -291,7 +204,7 @@ impl Store {
             if (slot >> 32) as u32 == hash {
                 let node = &self.nodes[slot as u32 as usize];
                 if node.high == high && node.low == low && node.level == level {
-                    return Ok(Link((slot as u32) << 1 | sign));
+                    return Ok(Link::to(slot as u32).flipped(negate));
                 }
             }
             place = (place + 1) & mask;
@@ -302,7 +215,7 @@ impl Store {
         if self.count >= self.slots.len() / 8 * 7 {
             self.grow();
         }
-        Ok(Link(number << 1 | sign))
+        Ok(Link::to(number).flipped(negate))
     }
 
     /// Stores a new node and returns its number.
@@ -347,278 +260,26 @@ impl Store {
         self.slots[place] = slot;
     }
 
-    fn cached(&self, key: Key) -> (usize, Option<Link>) {
+    pub(super) fn cached(&self, key: Key) -> (usize, Option<Link>) {
         let Key([a, b, c]) = key;
         let place = (mix(a, b, c) >> 32) as usize & (self.cache.len() - 1);
         let entry = &self.cache[place];
         (place, (entry.key == key).then_some(entry.result))
     }
 
-    fn remember(&mut self, place: usize, key: Key, result: Link) -> Link {
+    pub(super) fn remember(&mut self, place: usize, key: Key, result: Link) -> Link {
         self.cache[place] = Entry { key, result };
         result
     }
 
     /// Counts a result that has to be computed; checks the deadline from time to time.
-    fn tick(&mut self) -> Result<(), Stop> {
+    pub(super) fn tick(&mut self) -> Result<(), Stop> {
         self.until_check -= 1;
         if self.until_check == 0 {
             self.until_check = CHECK_INTERVAL;
-            if let Err(limit) = self.limits.check_time() {
-                self.lateness = Some(limit);
-                return Err(Stop::Late);
-            }
+            self.deadline.check().map_err(Stop::Late)?;
         }
         Ok(())
-    }
-
-    /// `a ∧ b`
-    pub fn and(&mut self, a: Link, b: Link) -> Result<Link, Stop> {
-        if a == b || b == Link::TRUE {
-            return Ok(a);
-        }
-        if a == Link::TRUE {
-            return Ok(b);
-        }
-        if a == Link::FALSE || b == Link::FALSE || a == b.negated() {
-            return Ok(Link::FALSE);
-        }
-        let (a, b) = if a < b { (a, b) } else { (b, a) };
-        let key = Key::of(Operation::And, a, b);
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known);
-        }
-        self.tick()?;
-        let level = self.level(a).min(self.level(b));
-        let (a_high, a_low) = self.cofactors(a, level);
-        let (b_high, b_low) = self.cofactors(b, level);
-        let high = self.and(a_high, b_high)?;
-        let low = self.and(a_low, b_low)?;
-        let result = self.make(level, high, low)?;
-        Ok(self.remember(place, key, result))
-    }
-
-    /// `a ∨ b`
-    pub fn or(&mut self, a: Link, b: Link) -> Result<Link, Stop> {
-        Ok(self.and(a.negated(), b.negated())?.negated())
-    }
-
-    /// `a ⊕ b`
-    pub fn xor(&mut self, a: Link, b: Link) -> Result<Link, Stop> {
-        let negate = a.is_negated() != b.is_negated();
-        let (a, b) = (a.plain(), b.plain());
-        if a == b {
-            return Ok(Link::FALSE.flipped(negate));
-        }
-        if a == Link::TRUE {
-            return Ok(b.flipped(!negate));
-        }
-        if b == Link::TRUE {
-            return Ok(a.flipped(!negate));
-        }
-        let (a, b) = if a < b { (a, b) } else { (b, a) };
-        let key = Key::of(Operation::Xor, a, b);
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known.flipped(negate));
-        }
-        self.tick()?;
-        let level = self.level(a).min(self.level(b));
-        let (a_high, a_low) = self.cofactors(a, level);
-        let (b_high, b_low) = self.cofactors(b, level);
-        let high = self.xor(a_high, b_high)?;
-        let low = self.xor(a_low, b_low)?;
-        let result = self.make(level, high, low)?;
-        Ok(self.remember(place, key, result).flipped(negate))
-    }
-
-    /// `(c ∧ a) ∨ (¬c ∧ b)`
-    pub fn choice(&mut self, c: Link, a: Link, b: Link) -> Result<Link, Stop> {
-        let (c, a, b) = if c.is_negated() {
-            (c.negated(), b, a)
-        } else {
-            (c, a, b)
-        };
-        if c == Link::TRUE || a == b {
-            return Ok(a);
-        }
-        if a == c || a == Link::TRUE {
-            return self.or(c, b);
-        }
-        if a == c.negated() || a == Link::FALSE {
-            return self.and(c.negated(), b);
-        }
-        if b == c || b == Link::FALSE {
-            return self.and(c, a);
-        }
-        if b == c.negated() || b == Link::TRUE {
-            return self.or(c.negated(), a);
-        }
-        if a == b.negated() {
-            return self.xor(c, b);
-        }
-        let negate = a.is_negated();
-        let (a, b) = (a.flipped(negate), b.flipped(negate));
-        let key = Key::choice(c, a, b);
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known.flipped(negate));
-        }
-        self.tick()?;
-        let level = self.level(c).min(self.level(a)).min(self.level(b));
-        let (c_high, c_low) = self.cofactors(c, level);
-        let (a_high, a_low) = self.cofactors(a, level);
-        let (b_high, b_low) = self.cofactors(b, level);
-        let high = self.choice(c_high, a_high, b_high)?;
-        let low = self.choice(c_low, a_low, b_low)?;
-        let result = self.make(level, high, low)?;
-        Ok(self.remember(place, key, result).flipped(negate))
-    }
-
-    /// Returns a conjunction of positive literals without those above `level`.
-    fn below(&self, mut bits: Link, level: u32) -> Link {
-        loop {
-            let node = &self.nodes[bits.node() as usize];
-            if node.level >= level {
-                return bits;
-            }
-            bits = node.high;
-        }
-    }
-
-    /// `∃ bits. a`, for a conjunction of positive literals `bits`.
-    pub fn exists(&mut self, a: Link, bits: Link) -> Result<Link, Stop> {
-        let level = self.level(a);
-        let bits = self.below(bits, level);
-        if bits == Link::TRUE || level == BOTTOM {
-            return Ok(a);
-        }
-        let key = Key::of(Operation::Exists, a, bits);
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known);
-        }
-        self.tick()?;
-        let (a_high, a_low) = self.children(a);
-        let result = if self.level(bits) == level {
-            let rest = self.children(bits).0;
-            let high = self.exists(a_high, rest)?;
-            if high == Link::TRUE {
-                high
-            } else {
-                let low = self.exists(a_low, rest)?;
-                self.or(high, low)?
-            }
-        } else {
-            let high = self.exists(a_high, bits)?;
-            let low = self.exists(a_low, bits)?;
-            self.make(level, high, low)?
-        };
-        Ok(self.remember(place, key, result))
-    }
-
-    /// `∃ bits. a ∧ b`, for a conjunction of positive literals `bits`.
-    pub fn product(&mut self, a: Link, b: Link, bits: Link) -> Result<Link, Stop> {
-        if a == b || b == Link::TRUE {
-            return self.exists(a, bits);
-        }
-        if a == Link::TRUE {
-            return self.exists(b, bits);
-        }
-        if a == Link::FALSE || b == Link::FALSE || a == b.negated() {
-            return Ok(Link::FALSE);
-        }
-        let level = self.level(a).min(self.level(b));
-        let bits = self.below(bits, level);
-        if bits == Link::TRUE {
-            return self.and(a, b);
-        }
-        let (a, b) = if a < b { (a, b) } else { (b, a) };
-        let key = Key::product(a, b, bits);
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known);
-        }
-        self.tick()?;
-        let (a_high, a_low) = self.cofactors(a, level);
-        let (b_high, b_low) = self.cofactors(b, level);
-        let result = if self.level(bits) == level {
-            let rest = self.children(bits).0;
-            let high = self.product(a_high, b_high, rest)?;
-            if high == Link::TRUE {
-                high
-            } else {
-                let low = self.product(a_low, b_low, rest)?;
-                self.or(high, low)?
-            }
-        } else {
-            let high = self.product(a_high, b_high, bits)?;
-            let low = self.product(a_low, b_low, bits)?;
-            self.make(level, high, low)?
-        };
-        Ok(self.remember(place, key, result))
-    }
-
-    /// Fixes the bits of `values`, a conjunction of literals, to the values that satisfy it.
-    pub fn restrict(&mut self, a: Link, values: Link) -> Result<Link, Stop> {
-        let negate = a.is_negated();
-        let mut a = a.plain();
-        let mut values = values;
-        loop {
-            let (level, fixed) = (self.level(a), self.level(values));
-            if values == Link::TRUE || level == BOTTOM {
-                return Ok(a.flipped(negate));
-            }
-            if fixed > level {
-                break;
-            }
-            let (high, low) = self.children(values);
-            let positive = high != Link::FALSE;
-            values = if positive { high } else { low };
-            if fixed == level {
-                let (a_high, a_low) = self.children(a);
-                return self
-                    .restrict(if positive { a_high } else { a_low }, values)
-                    .map(|result| result.flipped(negate));
-            }
-        }
-        let key = Key::of(Operation::Restrict, a, values);
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known.flipped(negate));
-        }
-        self.tick()?;
-        let level = self.level(a);
-        let (a_high, a_low) = self.children(a);
-        a = self.restrict(a_high, values)?;
-        let low = self.restrict(a_low, values)?;
-        let result = self.make(level, a, low)?;
-        Ok(self.remember(place, key, result).flipped(negate))
-    }
-
-    /// Renames current bits to primed bits (`to_primed`), or primed bits to current bits. The
-    /// function must not depend on both bits of a pair; the twins are adjacent, so the order of the
-    /// levels stays.
-    pub fn rename(&mut self, a: Link, to_primed: bool) -> Result<Link, Stop> {
-        let negate = a.is_negated();
-        let a = a.plain();
-        if a == Link::TRUE {
-            return Ok(a.flipped(negate));
-        }
-        let key = Key::of(Operation::Rename, a, Link::FALSE.flipped(to_primed));
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known.flipped(negate));
-        }
-        self.tick()?;
-        // The current bit of a pair has an even level, its twin the next one.
-        let level = self.level(a) & !1 | u32::from(to_primed);
-        let (a_high, a_low) = self.children(a);
-        let high = self.rename(a_high, to_primed)?;
-        let low = self.rename(a_low, to_primed)?;
-        let result = self.make(level, high, low)?;
-        Ok(self.remember(place, key, result).flipped(negate))
     }
 
     /// Marks the nodes that `link` reaches and that have no mark yet; calls `visit` for each of
@@ -691,11 +352,12 @@ impl Store {
         let mut nodes = Vec::new();
         let mut places: FxHashMap<u32, usize> = FxHashMap::default();
         self.walk(roots.iter().copied(), &mut |link, bit, high, low| {
-            let (high, low) = (exported(&places, high), exported(&places, low));
+            let [high, low] = [high, low].map(|link| link.export(|node| places[&node]));
             places.insert(link.node(), nodes.len());
             nodes.push(DiagramNode { bit, high, low });
         });
-        let roots = roots.iter().map(|root| exported(&places, *root)).collect();
+        let roots = roots.iter().map(|root| root.export(|node| places[&node]));
+        let roots = roots.collect();
         Diagram { nodes, roots }
     }
 
@@ -708,27 +370,16 @@ impl Store {
         self.set_order(order);
         let created = self.created;
         let mut links: Vec<Link> = Vec::with_capacity(diagram.nodes.len());
-        let link = |links: &[Link], edge: Edge| match edge.node() {
-            Some(node) => links[node].flipped(edge.is_negated()),
-            None => Link::TRUE.flipped(edge == Edge::FALSE),
-        };
         for node in &diagram.nodes {
             let level = self.levels[node.bit.index()];
-            let made = self.make(level, link(&links, node.high), link(&links, node.low));
+            let [high, low] = [node.high, node.low].map(|e| Link::import(e, |node| links[node]));
+            let made = self.make(level, high, low);
             links.push(made.expect("a smaller diagram has no room; please report this"));
         }
         self.created = created;
         let roots = diagram.roots.iter();
-        roots.map(|root| link(&links, *root)).collect()
+        roots
+            .map(|root| Link::import(*root, |node| links[node]))
+            .collect()
     }
-}
-
-/// Returns the edge of a diagram; `places` holds the index of each node there.
-fn exported(places: &FxHashMap<u32, usize>, link: Link) -> Edge {
-    let edge = if link.node() == 0 {
-        Edge::TRUE
-    } else {
-        Edge::to(places[&link.node()])
-    };
-    edge.flipped(link.is_negated())
 }
