@@ -1,4 +1,5 @@
-//! Edges of diagrams with complement edges, where the constant is `true` and no high edge is negated.
+//! Edges of diagrams with complement edges, in which the constant is true and no high edge is
+//! negated.
 
 use super::Edge;
 
