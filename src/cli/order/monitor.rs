@@ -19,7 +19,7 @@ use crate::order::table::{RuleCitation, Table};
 use crate::station::monitor::{c, structured_text};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -194,7 +194,7 @@ fn watch(
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let cited: Vec<RuleCitation> = skills.rules.iter().map(RuleCitation::of).collect();
-    let names: HashMap<&[u8], u8> = skills
+    let names: FxHashMap<&[u8], u8> = skills
         .skills
         .iter()
         .zip(0_u8..)
@@ -261,13 +261,13 @@ fn watch(
 
 /// The text before a comment, trimmed.
 fn without_comment(line: &[u8]) -> &[u8] {
-    let end = line.iter().position(|b| *b == b'#').unwrap_or(line.len());
-    let slashes = line.windows(2).position(|w| w == b"//").unwrap_or(end);
-    line[..end.min(slashes)].trim_ascii()
+    let opens = |at: usize| matches!(line[at..], [b'#', ..] | [b'/', b'/', ..]);
+    let end = (0..line.len()).find(|at| opens(*at)).unwrap_or(line.len());
+    line[..end].trim_ascii()
 }
 
 /// The set of skills in `Left & Down`; `None` if the text is not of this form.
-fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
+fn mask(call: &[u8], names: &FxHashMap<&[u8], u8>) -> Option<u64> {
     call.split(|b| *b == b'&').try_fold(0_u64, |mask, piece| {
         let skill = names.get(piece.trim_ascii())?;
         let bit = 1 << skill;
@@ -277,8 +277,10 @@ fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
 
 /// The text of a line; on the first line, without a byte order mark.
 fn without_mark(line: &[u8], number: u64) -> &[u8] {
-    let mark = if number == 1 { "\u{feff}" } else { "" };
-    line.strip_prefix(mark.as_bytes()).unwrap_or(line)
+    if number > 1 {
+        return line;
+    }
+    line.strip_prefix("\u{feff}".as_bytes()).unwrap_or(line)
 }
 
 /// The set of skills in a line that [`mask`] does not accept, such as one with non-ASCII spaces.
