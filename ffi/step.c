@@ -578,10 +578,12 @@ static int32_t lw_fail_limit(const lw_job *job, const char *operation, lw_error 
             longest = j;
         }
     }
-    if (longest >= 0) {
+    /* If all of them held in the last step, none is to blame. */
+    if (longest >= 0 && job->held[longest] < job->service.steps) {
+        int64_t silence = job->service.steps - job->held[longest];
         lw_append(error, "; for ");
-        lw_append_integer(error, job->service.steps - job->held[longest]);
-        lw_append(error, " steps ");
+        lw_append_integer(error, silence);
+        lw_append(error, silence == 1 ? " step " : " steps ");
         lw_append(error, lw_justice_table[longest].message);
         error->rule = lw_justice_table[longest].rule;
     }

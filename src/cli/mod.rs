@@ -166,7 +166,7 @@ impl Arguments {
 /// Finding for a command that was terminated during its work.
 fn overdue(command: &str, late: StopReason) -> Diagnostic {
     let message = format!(
-        "`{command}` has no result: {late} while it was accessing files or waiting for another program"
+        "`{command}` has no result: {late} in work that cannot be interrupted, such as access to files"
     );
     Diagnostic::error(codes::GAVE_UP, None, message).with_help(late.remedy())
 }

@@ -223,6 +223,60 @@ fn premises_are_named() {
     proved(&scrap.replace("REORDER", " reorder s"), &[]);
 }
 
+/// After the last ordered parts, other components wait for ever. That is a premise where they can
+/// be in the way, or where they are not needed.
+#[test]
+fn the_last_orders_come_through() {
+    let line = |supplies: &str, routes: &str| {
+        format!(
+            "line L {{
+    part A
+    part B
+    part J from 1 A, 1 B
+    product J
+    {supplies}
+    buffer b capacity 2
+    station t: Any {{ perform take on J }}
+    sink out
+    {routes}
+}}
+"
+        )
+    };
+    let free = "source a: A every 1 s, at most 3 in the line
+    source s: B on order";
+    let apart = "route A: a -> t
+    route B: s -> t
+    route J: t -> b -> out";
+    let behind = "route A: a -> b -> t
+    route B: s -> t
+    route J: t -> b -> out";
+    proved(&line(free, apart), &[]);
+    proved(&line(free, behind), &["more_orders_for_s"]);
+    // As many A as B are ordered.
+    let both = "source a: A on order, at most 3 in the line
+    source s: B on order";
+    proved(&line(both, behind), &[]);
+    // The last B can wait at t for another one, which went to u.
+    let split = "line L {
+    part B { property v: 0..1 = 0 }
+    part J from 2 B
+    product J
+    source s: B on order
+    station m: Any { perform take on B  defect on B probability 50 %: v becomes 1 }
+    station t: Any { perform take on J }
+    station u: Any { perform take on J }
+    sink out
+    route B: s -> m
+    route B: m -> t when v = 0
+    route B: m -> u otherwise
+    route J: t -> out
+    route J: u -> out
+}
+";
+    proved(split, &["more_orders_for_s"]);
+}
+
 #[test]
 fn joined_parts_take_over_values() {
     let line = |defect: u8| {

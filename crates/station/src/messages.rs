@@ -298,7 +298,7 @@ impl CallError {
         let sound = (0.0..=MAX_SECONDS).contains(&seconds) && is_energy(joules);
         (!sound).then(|| {
             Self::plain(
-                ErrorCode::Internal,
+                ErrorCode::Domain,
                 format!("the operation took {seconds} s and {joules} J: a run records at most {MAX_SECONDS:e} s and no negative energy"),
             )
         })
@@ -327,12 +327,14 @@ impl CallError {
     ) -> Self {
         let begin = format!("`{operation}` did not end within {steps} steps");
         match longest {
-            None => Self::plain(ErrorCode::Limit, begin),
+            // In the last step, each of them held.
+            None | Some((_, _, 0)) => Self::plain(ErrorCode::Limit, begin),
             Some((component, formula, silence)) => Self {
                 code: ErrorCode::Limit,
                 rule: Some(rule_name(component, formula)),
                 message: format!(
-                    "{begin}; for {silence} steps {}",
+                    "{begin}; for {silence} step{} {}",
+                    if silence == 1 { "" } else { "s" },
                     describe_unmet_justice(component, formula)
                 ),
             },

@@ -99,6 +99,11 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch) -> String {
         }
         draft.task(chance, draft.places.len() - 1, "J", machines);
         let join = draft.places[draft.places.len() - 1].name.clone();
+        if chance.percent(10) {
+            // A component on which the station can also work as it is.
+            draft.task(chance, draft.places.len() - 1, "P", machines);
+            draft.routes.push(format!("route P: {join} -> {join}"));
+        }
         draft.way(chance, "J", &join, None, machines);
     } else {
         for (at, part) in types.iter().enumerate() {

@@ -40,6 +40,23 @@ fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
     assert!(finished > 150, "{finished} joined");
 }
 
+/// The next part of a source comes at the instant in which a bill becomes complete. If it went
+/// first, it would be in the way of the bill, and have no room to go on.
+#[test]
+fn a_newcomer_does_not_overtake_a_complete_bill() {
+    let mut builder = Builder::new(&["A", "J"]);
+    builder
+        .bill("J", &[("A", 2)])
+        .station("t", &["A", "J"], constant(10.0))
+        .endless("s", "A")
+        .sink("out")
+        .route("A", &["s", "t", "t"])
+        .route("J", &["t", "out"]);
+    let trace = builder.run_until(1_000.0);
+    assert_eq!(trace.end, End::Time, "{:#?}", trace.findings);
+    assert_eq!(trace.products, 100);
+}
+
 /// A belt that refuses every step in which its part could leave.
 struct Refuses(Shift1);
 

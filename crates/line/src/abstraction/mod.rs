@@ -32,7 +32,7 @@
 //!   for which of the others chance guarantees this. For the rest, it is a premise.
 //! - *Numbers of orders.* A source on order has the next part as soon as the previous one has left,
 //!   no source stops after a number of parts, and stock does not run out. Where this does not hold
-//!   for the line, it is a premise.
+//!   for the line, and matters, it is a premise ([`super::calls`]).
 //! - *Calls.* Every call of a station is answered; [`super::calls`] proves this.
 //!
 //! If parts of one type can go round in a cycle, each of them is assumed to leave it eventually;

@@ -30,6 +30,7 @@ mod attractor;
 mod belt;
 mod chance;
 mod findings;
+mod orders;
 mod premises;
 mod station;
 mod time;

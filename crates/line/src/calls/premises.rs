@@ -1,6 +1,6 @@
 //! Premises: what the proof of a line takes for granted about the world around it.
 
-use super::Calls;
+use super::{Calls, orders};
 use crate::abstraction::Shape;
 use crate::abstraction::words::an;
 use linewright_language::contract::line::{Line, NodeKind, Supply};
@@ -18,6 +18,7 @@ pub struct Premise {
 /// its calls.
 pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     let mut found = Vec::new();
+    let continued = orders::needed(&calls.simplified(line));
     for (node, declared) in line.nodes.iter().enumerate() {
         let name = &declared.name;
         match &declared.kind {
@@ -33,7 +34,14 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                 part,
                 supply: Supply::OnOrder,
                 ..
-            } => found.extend(orders(line, calls, node, *part)),
+            } => {
+                let lost = lost(line, calls, node, *part);
+                let reason = lost.or_else(|| continued.get(&node).cloned());
+                found.extend(reason.map(|reason| Premise {
+                    name: format!("more_orders_for_{name}"),
+                    text: format!("{name} gets further orders: {reason}"),
+                }));
+            }
             _ => {}
         }
     }
@@ -82,10 +90,10 @@ fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
     }
 }
 
-/// Returns the premise of a source on order, if there is one. The source makes as many parts as the
-/// requested products need. If one of these parts leaves the line, but not in a product, and is not
-/// reordered, some product lacks it.
-fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Premise> {
+/// Says that a part from a source on order leaves the line, but not in a product, and is not
+/// reordered; `None` if there is no such part. The source makes only as many parts as the requested
+/// products need, so some product lacks it.
+fn lost(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<String> {
     let contents = Shape::contents(line);
     if contents[line.product][part] == 0 {
         return None;
@@ -113,11 +121,8 @@ fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Prem
     })?;
     let name = &line.nodes[source].name;
     let (kind, to) = (&line.parts[lost.part].name, &line.nodes[lost.to].name);
-    Some(Premise {
-        name: format!("more_orders_for_{name}"),
-        text: format!(
-            "{name} gets further orders: for {} that ends at {to}, no replacement is ordered from {name}",
-            an(kind)
-        ),
-    })
+    Some(format!(
+        "for {} that ends at {to}, no replacement is ordered from {name}",
+        an(kind)
+    ))
 }

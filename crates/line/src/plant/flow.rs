@@ -175,13 +175,13 @@ impl Run<'_> {
         let Some(to) = to else { return };
         let kind = self.parts[part].kind;
         let admitted = self.admits(to, kind, node);
-        if admitted && !self.others_first(to, None) {
+        if admitted && !self.others_first(to, None) && !self.bill_first(to, kind) {
             self.transfer(outlet);
             return;
         }
         self.request(outlet, to, kind);
         if admitted {
-            // An older request goes first, so the node is examined to serve it.
+            // An older request or a complete bill goes first, so the node is examined to serve it.
             self.look_at(to);
         }
     }
@@ -258,6 +258,15 @@ impl Run<'_> {
             .iter()
             .take_while(|request| Some(request.outlet) != own)
             .any(|request| self.admits(node, request.kind, self.outlets[request.outlet].node))
+    }
+
+    /// Whether the components of a complete bill wait at a node for the same work as a newcomer of
+    /// this type. They arrived before it.
+    fn bill_first(&self, node: usize, kind: usize) -> bool {
+        match &self.places[node] {
+            Place::Station(station) => station.has_complete_bill() && !station.lacks(kind),
+            _ => false,
+        }
     }
 
     /// Admits waiting parts to a node as long as there is room; see [Turns](self#turns).

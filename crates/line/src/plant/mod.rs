@@ -165,7 +165,7 @@ impl Plant {
                     ),
                 )
                 .with_help(format!(
-                    "Give a time such as 3600, 90m or 8h; the maximum is {LATEST_SECONDS:e} s, beyond which times are no longer exact."
+                    "Give a time such as 3600, 90m or 8h; the maximum is {LATEST_SECONDS} s, beyond which times are no longer exact."
                 )),
             );
         }

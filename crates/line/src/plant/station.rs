@@ -131,8 +131,18 @@ impl Station {
 
     /// Whether the station takes a part of this type now.
     pub(super) fn admits(&self, kind: usize, on_shift: bool) -> bool {
-        self.component_place(kind).is_some()
+        self.lacks(kind)
             || (self.phase == Phase::Free && on_shift && self.plain_task(kind).is_some())
+    }
+
+    /// Whether there is a free place for a component of this type.
+    pub(super) fn lacks(&self, kind: usize) -> bool {
+        self.component_place(kind).is_some()
+    }
+
+    /// Whether all components of some bill are present.
+    pub(super) fn has_complete_bill(&self) -> bool {
+        self.bills.iter().any(|bill| bill.complete.is_some())
     }
 
     /// The first free place for a component of this type, as task and line of its bill.
@@ -284,7 +294,7 @@ impl Run<'_> {
         };
         let older = self.queues.of(node).iter().any(|request| {
             request.order < order
-                && station.component_place(request.kind).is_none()
+                && !station.lacks(request.kind)
                 && station.plain_task(request.kind).is_some()
         });
         if !older {
