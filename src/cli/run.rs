@@ -28,13 +28,18 @@ pub struct Arguments {
     #[arg(value_name = "LINE")]
     pub selection: Selection,
     /// Stop after N finished products
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
     pub parts: Option<u64>,
     /// Stop at this simulation time
-    #[arg(long, value_name = "TIME", value_parser = time::seconds)]
+    #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_negative_numbers = true)]
     pub until: Option<f64>,
     /// Random seed
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 1,
+        allow_negative_numbers = true
+    )]
     pub seed: u64,
     /// Number of replications, with consecutive random seeds
     #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]

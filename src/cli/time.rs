@@ -4,7 +4,11 @@
 /// `d h m s` in descending order; `min` means `m`. Spaces may stand around a unit.
 pub fn seconds(text: &str) -> Result<f64, String> {
     parse(text.trim()).ok_or_else(|| {
-        format!("`{text}` is not a valid duration: write seconds (`3600`), or use units (`90m`, `8h`, `5d`, `1h30m`)")
+        let why = match text.trim().parse::<f64>() {
+            Ok(number) if number <= 0.0 => "a duration is more than 0",
+            _ => "write seconds (`3600`), or use units (`90m`, `8h`, `5d`, `1h30m`)",
+        };
+        format!("`{text}` is not a valid duration: {why}")
     })
 }
 
@@ -14,8 +18,10 @@ fn parse(text: &str) -> Option<f64> {
         let value = digits.parse::<f64>().ok()?;
         (plain && value.is_finite()).then_some(value)
     };
-    if let Some(seconds) = number(text) {
-        return (seconds > 0.0).then_some(seconds);
+    // A number without a unit can have an exponent: `1e6`.
+    let is_number = text.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+    if is_number && let Ok(seconds) = text.parse::<f64>() {
+        return (seconds > 0.0 && seconds.is_finite()).then_some(seconds);
     }
     let (mut rest, mut total, mut last) = (text, 0.0, f64::INFINITY);
     while !rest.is_empty() {
@@ -50,6 +56,7 @@ mod tests {
         for (text, wanted) in [
             ("3600", 3600.0),
             ("0.5", 0.5),
+            ("1e6", 1_000_000.0),
             ("90m", 5400.0),
             ("90min", 5400.0),
             ("1h30min5s", 5405.0),
@@ -68,7 +75,7 @@ mod tests {
     #[test]
     fn other_texts_are_rejected() {
         for text in [
-            "", "0", "0h", "h", "-1", "1x", "1m2h", "1h2h", "1 2h", "1h30", "nan", "inf", "1e9",
+            "", "0", "0h", "h", "-1", "1x", "1m2h", "1h2h", "1 2h", "1h30", "nan", "inf", "1e999",
             "ü", "1hü",
         ] {
             assert!(seconds(text).is_err(), "{text}");

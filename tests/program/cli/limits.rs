@@ -561,7 +561,9 @@ fn no_run_goes_on_when_times_are_no_longer_exact() {
     let printed = session.run("run clock.lw --until 2000000h");
     assert_eq!(printed.code, 2, "{}", printed.err);
     assert!(
-        printed.err.contains("the maximum is 4000000000 s, beyond which"),
+        printed
+            .err
+            .contains("the maximum is 4000000000 s, beyond which"),
         "{}",
         printed.err
     );
