@@ -80,6 +80,22 @@ pub fn blocked() -> Subject {
     subject("Blocked", machine, controllers)
 }
 
+/// An axis that is free in the first three steps, with a step limit: the only justice assumption
+/// held last `step_limit - 3` steps ago.
+pub fn hurried(step_limit: u64) -> Subject {
+    let (machine, controllers) = manipulator();
+    let mut machine = (*machine).clone();
+    machine.step_limit = step_limit;
+    let script = vec![1, 1, 1, 0];
+    machine.plant[FREE].source = PlantSource::Signal { script };
+    for (i, component) in machine.components.iter_mut().enumerate() {
+        let specification = Arc::make_mut(&mut component.specification);
+        let justice = &mut specification.assumptions.justice;
+        justice.retain(|formula| i == TURN && formula.name == "free");
+    }
+    subject("Hurried", machine, controllers)
+}
+
 /// The jammed manipulator without any justice, and with controllers that lack answers or give wrong
 /// ones.
 pub fn faulty() -> Subject {

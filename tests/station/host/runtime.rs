@@ -394,6 +394,9 @@ impl Court {
         subjects.extend(fixtures().into_iter().filter(|s| plain.contains(&s.name())));
         subjects.extend([
             corners::blocked(),
+            corners::hurried(3),
+            corners::hurried(4),
+            corners::hurried(5),
             corners::faulty(),
             corners::odd(),
             corners::lonely(),
