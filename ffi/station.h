@@ -113,9 +113,7 @@ LW_EXPORT int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_c
 /* Runs the operation with this index to its end: abstracts the properties, makes steps until the
  * coordinator reports the end, and writes the new properties back. `service` receives the cost; it
  * can be null. An error leaves `properties` and `service` unchanged.
- * Properties must be finite. Whether they are in their declared ranges is not checked: only a value
- * that an abstraction cannot map is refused. The cost follows from the properties by the machine's
- * expressions, so a power that they make negative gives negative energy. */
+ * Properties must be finite. That they are in their declared ranges is up to the host. */
 LW_EXPORT int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, size_t property_count,
                               lw_service *service);
 

@@ -221,6 +221,21 @@ fn premises_are_named() {
 ";
     proved(&scrap.replace("REORDER", ""), &["more_orders_for_s"]);
     proved(&scrap.replace("REORDER", " reorder s"), &[]);
+    // Of the ways from m, only those that lead to different places are a premise.
+    let ways = "line L {
+    part P { property x: 0..9 = 0 }
+    source s: P every 5 s, at most 1 in the line
+    buffer b capacity 3
+    sink k
+    station m: Any { perform take on P  defect on P probability 50 %: x becomes 3 }
+    route P: s -> m
+    route P: m -> b when x > 1
+    route P: m -> b
+    route P: b -> m when x > 1
+    route P: b -> k
+}
+";
+    proved(ways, &["b_sends_P_to_k"]);
 }
 
 /// After the last ordered parts, other components wait for ever. That is a premise where they can

@@ -14,28 +14,20 @@
 //! have a chance to take this route. A store holds any number of parts, so a way through a store
 //! does not count.
 
-use super::Calls;
 use super::attractor::attractor;
 use super::walk::{Choice, Stage, Walk};
+use super::{Calls, is_alone};
 use linewright_language::contract::line::NodeKind;
 
 /// Marks the routes that chance guarantees. For each route, the run time is linear in the edges of
 /// the walk.
 pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
     let before = walk.before();
-    for (index, route) in walk.line.routes.iter().enumerate() {
-        if !calls.taken[index] {
-            continue;
+    for route in 0..walk.line.routes.len() {
+        if calls.taken[route] {
+            calls.by_chance[route] = is_alone(walk.line, &calls.taken, route)
+                || Branch::of(walk, &before, route).is_sure();
         }
-        let rivals = walk
-            .line
-            .routes
-            .iter()
-            .zip(&calls.taken)
-            .filter(|(other, taken)| {
-                **taken && (other.from, other.part) == (route.from, route.part)
-            });
-        calls.by_chance[index] = rivals.count() == 1 || Branch::of(walk, &before, index).is_sure();
     }
 }
 

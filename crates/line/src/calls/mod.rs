@@ -112,13 +112,15 @@ pub fn examine(
     limits: &Limits,
 ) -> Calls {
     let walk = walk::Walk::new(line, interpreter, bounds).explore(limits);
+    let taken = vec![true; line.routes.len()];
+    let by_chance = (0..line.routes.len()).map(|r| is_alone(line, &taken, r));
     let mut calls = Calls {
         findings: Vec::new(),
         remarks: Vec::new(),
         undecided: walk.undecided.clone(),
-        taken: vec![true; line.routes.len()],
         always: vec![false; line.routes.len()],
-        by_chance: (0..line.routes.len()).map(|r| is_alone(line, r)).collect(),
+        by_chance: by_chance.collect(),
+        taken,
         timeless: time::timeless(&walk),
     };
     if walk.is_complete() {
@@ -164,14 +166,12 @@ fn ordered(numbers: &[f64]) -> Vec<Real> {
     numbers.iter().map(|n| Real(*n)).collect()
 }
 
-/// Whether a route is the only one for its part from its starting node.
-fn is_alone(line: &Line, route: usize) -> bool {
-    let of = |r: &linewright_language::contract::line::Route| (r.from, r.part);
-    let rivals = line
-        .routes
-        .iter()
-        .filter(|r| of(r) == of(&line.routes[route]));
-    rivals.count() == 1
+/// Whether no route that parts take leads its part from its starting node to another node.
+fn is_alone(line: &Line, taken: &[bool], route: usize) -> bool {
+    let route = &line.routes[route];
+    line.routes.iter().zip(taken).all(|(other, taken)| {
+        !taken || (other.from, other.part) != (route.from, route.part) || other.to == route.to
+    })
 }
 
 /// The machine of a station; `None` if the node is not a station.

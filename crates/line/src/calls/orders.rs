@@ -42,7 +42,7 @@ pub(super) fn needed(line: &Line) -> BTreeMap<usize, String> {
                 continue;
             }
             let Some(reason) = orders
-                .elsewhere(join, waiting)
+                .elsewhere(waiting)
                 .or_else(|| orders.obstacle(join, waiting))
             else {
                 continue;
@@ -60,7 +60,6 @@ pub(super) fn needed(line: &Line) -> BTreeMap<usize, String> {
 }
 
 /// A station that joins components to a part type.
-#[derive(PartialEq, Eq)]
 struct Join {
     station: usize,
     whole: usize,
@@ -153,24 +152,23 @@ impl<'a> LastOrders<'a> {
         bill.any(|(component, _)| *component == part) && self.line.is_brought(join.station, part)
     }
 
-    /// Says that a component, or something in it, is also joined in another station or to another
-    /// type; `None` if it is not.
-    fn elsewhere(&self, join: &Join, waiting: usize) -> Option<String> {
+    /// Says that a component, or something in it, is joined in several stations or to several types;
+    /// `None` if it is not.
+    fn elsewhere(&self, waiting: usize) -> Option<String> {
         let inside = (0..self.line.parts.len()).filter(|part| self.contains(waiting, *part));
         for part in inside {
             let mut takers = self.joins.iter().filter(|j| self.takes(j, part));
             let (Some(first), Some(second)) = (takers.next(), takers.next()) else {
                 continue;
             };
-            let other = if first == join { second } else { first };
-            let (part, wholes) = (&self.line.parts[part].name, &self.line.parts);
+            let Line { parts, nodes, .. } = self.line;
             return Some(format!(
                 "{} can be kept for {} at {} that is needed for {} at {}",
-                an(part),
-                an(&wholes[join.whole].name),
-                self.line.nodes[join.station].name,
-                an(&wholes[other.whole].name),
-                self.line.nodes[other.station].name,
+                an(&parts[part].name),
+                an(&parts[first.whole].name),
+                nodes[first.station].name,
+                an(&parts[second.whole].name),
+                nodes[second.station].name,
             ));
         }
         None

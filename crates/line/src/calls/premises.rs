@@ -46,10 +46,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
         }
     }
     for (index, route) in line.routes.iter().enumerate() {
-        let elsewhere = line.routes.iter().zip(&calls.taken).any(|(other, taken)| {
-            *taken && (other.from, other.part) == (route.from, route.part) && other.to != route.to
-        });
-        if calls.taken[index] && !calls.by_chance[index] && elsewhere {
+        if calls.taken[index] && !calls.by_chance[index] {
             let kind = &line.parts[route.part].name;
             let (from, to) = (&line.nodes[route.from].name, &line.nodes[route.to].name);
             let premise = Premise {
