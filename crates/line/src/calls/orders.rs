@@ -152,8 +152,8 @@ impl<'a> LastOrders<'a> {
         bill.any(|(component, _)| *component == part) && self.line.is_brought(join.station, part)
     }
 
-    /// Says that a component, or something in it, is joined in several stations or to several types;
-    /// `None` if it is not.
+    /// Says that a component, or something in it, is joined in several stations or to several
+    /// types; `None` if it is not.
     fn elsewhere(&self, waiting: usize) -> Option<String> {
         let inside = (0..self.line.parts.len()).filter(|part| self.contains(waiting, *part));
         for part in inside {
