@@ -3,6 +3,7 @@
 //! machines within machines.
 
 use super::text::{Chance, Text};
+use std::collections::BTreeSet;
 
 /// Data on a machine for generating lines.
 #[derive(Debug, Clone)]
@@ -34,10 +35,18 @@ impl Batch {
         HEAD.to_owned() + &texts.collect::<String>()
     }
 
-    /// Removes the machines that are not sound, and those that contain one.
+    /// Removes the machines that are not sound, and those that contain one, to any depth. A machine
+    /// comes after the one that it contains.
     pub fn keep(&mut self, sound: impl Fn(&str) -> bool) {
-        self.machines
-            .retain(|m| sound(&m.name) && m.inner.as_deref().is_none_or(&sound));
+        let mut kept = BTreeSet::new();
+        self.machines.retain(|m| {
+            let is_whole = m.inner.as_ref().is_none_or(|inner| kept.contains(inner));
+            let is_kept = sound(&m.name) && is_whole;
+            if is_kept {
+                kept.insert(m.name.clone());
+            }
+            is_kept
+        });
     }
 }
 
