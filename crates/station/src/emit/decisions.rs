@@ -9,6 +9,7 @@ use linewright_solver::game::StrategyFunctions;
 use linewright_solver::symbolic::{Bit, DiagramNode, Edge};
 use serde::Serialize;
 use std::collections::HashMap;
+use std::fmt::Write as _;
 
 /// Formats the fields that identify the signal of a decision or an output.
 pub(super) type Signals<'a> = &'a dyn Fn(Bit) -> String;
@@ -32,7 +33,19 @@ pub(super) struct WalkTables {
     goals: String,
 }
 
+/// Number of nodes above which a line holds as many of them as fit, without spaces: nobody reads so
+/// many, and the file is little more than half as large.
+const MANY_NODES: usize = 1_000;
+
 fn nodes(nodes: &[DiagramNode], signal: Signals<'_>) -> String {
+    if nodes.len() > MANY_NODES {
+        let nodes = nodes.iter().fold(String::new(), |mut text, n| {
+            let signal = signal(n.bit).replace(' ', "");
+            let _ = write!(text, "{{{},{},{signal}}}, ", n.high.0, n.low.0);
+            text
+        });
+        return format!("    {}", wrap(nodes.trim_end(), "    "));
+    }
     let nodes = nodes
         .iter()
         .map(|n| format!("    {{ {}, {}, {} }},", n.high.0, n.low.0, signal(n.bit)));
