@@ -1,5 +1,5 @@
-//! Realizability compared with other tools: `linewright check` and, if available, gr1c and slugs,
-//! on the same files.
+//! Realizability compared with other tools: `linewright check` and, if available, gr1c, slugs and
+//! Spectra, on the same files.
 //!
 //! Every figure is of a whole process as a user runs it: user and system time, and peak resident
 //! memory. The tools take turns on each file, so that other load affects both. If a format's tool
@@ -9,6 +9,12 @@
 #[cfg(unix)]
 #[path = "peers/compare.rs"]
 mod compare;
+#[cfg(unix)]
+#[path = "families/mod.rs"]
+mod families;
+#[cfg(unix)]
+#[path = "peers/instances.rs"]
+mod instances;
 #[cfg(unix)]
 #[path = "peers/measure.rs"]
 mod measure;

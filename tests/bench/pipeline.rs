@@ -46,6 +46,7 @@ fn run(folder: &Path) -> Cost {
     let output = Command::new("sh")
         .args(arguments)
         .args(["--out", &out])
+        .env("LINEWRIGHT_CACHE", "off")
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .expect("sh starts");

@@ -134,3 +134,21 @@ fn wide_comments_are_found() {
     assert_eq!(found(&format!("/* a\n * {long}\n *     {long} */")), 1);
     assert_eq!(found(&format!("/* a */\ncall(\"{long}\");")), 0);
 }
+
+/// What the cache of solved contracts returns costs nothing, so a bench must not use it.
+#[test]
+fn benches_do_not_use_the_cache() {
+    let mut programs = 0;
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bench");
+    for path in files_below(&folder, &["rs"]) {
+        let text = std::fs::read_to_string(&path).expect("sources can be read");
+        if !text.contains("CARGO_BIN_EXE_linewright") {
+            continue;
+        }
+        programs += 1;
+        let without =
+            text.contains("\"LINEWRIGHT_CACHE\", \"off\"") || text.contains("\"--no-cache\"");
+        assert!(without, "{} uses the cache", path.display());
+    }
+    assert!(programs > 2, "only {programs} benches start the program");
+}

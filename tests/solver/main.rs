@@ -1,5 +1,6 @@
 //! Verdicts, machines, counterstrategies and proofs of specifications, compared with naive solvers.
 
+mod benchmarks;
 mod case_study;
 mod checker;
 mod checkers;

@@ -1,5 +1,6 @@
 //! Selection of files and tools, and their order.
 
+use crate::instances;
 use crate::measure::{self, End, Run};
 use crate::table;
 use std::collections::BTreeMap;
@@ -14,15 +15,17 @@ cargo bench --bench peers -- [FILTER...] [OPTION...]
 FILTER is a part of a file's path; without one, a selection of a few minutes is taken.
 
   --runs N         runs of each tool on each file, whose median is shown [3]
-  --timeout S      seconds by the clock after which a run is ended [120]
+  --timeout S      seconds by the clock after which our own run is ended [120]; another tool is
+                   given ten times our time, at least a minute
   --each           a row for each file of a large folder too, not only their sum
   --options TEXT   further options for our own `check`, with blanks between them
 
-LINEWRIGHT_GR1C, LINEWRIGHT_SLUGS: the programs; LINEWRIGHT_SPECS: the folder of specifications [../shared/bench/specs];
-LINEWRIGHT_PROGRAM: our own program, where it is not to be the one just built";
+LINEWRIGHT_GR1C, LINEWRIGHT_SLUGS, LINEWRIGHT_SPECTRA: the programs; LINEWRIGHT_SPECTRA_OPTIONS: options of the last one,
+where `|` separates alternatives, the fastest of which counts; LINEWRIGHT_SPECS: the folder of specifications
+[../shared/bench/specs]; LINEWRIGHT_PROGRAM: our own program, where it is not to be the one just built";
 
 /// Default selection without a filter. A name that ends in a slash is a whole folder.
-const SELECTION: [&str; 10] = [
+const SELECTION: [&str; 11] = [
     "anzu/genbuf5.",
     "anzu/genbuf10.",
     "anzu/genbuf20.",
@@ -33,7 +36,11 @@ const SELECTION: [&str; 10] = [
     "synt15/synt15_4.",
     "synt15/synt15_8.",
     "syntech15/",
+    "spectra-language/",
 ];
+
+/// Minimum number of seconds by the clock that another tool is given.
+const LEAST_LIMIT: f64 = 60.0;
 
 /// Number of files in a folder above which only their sum is shown.
 const LARGE: usize = 10;
@@ -43,13 +50,17 @@ const LARGE: usize = 10;
 enum Peer {
     Gr1c,
     Slugs,
+    Spectra,
 }
 
 impl Peer {
+    const ALL: [Self; 3] = [Self::Gr1c, Self::Slugs, Self::Spectra];
+
     const fn name(self) -> &'static str {
         match self {
             Self::Gr1c => "gr1c",
             Self::Slugs => "slugs",
+            Self::Spectra => "Spectra",
         }
     }
 
@@ -58,18 +69,33 @@ impl Peer {
         match self {
             Self::Gr1c => "LINEWRIGHT_GR1C",
             Self::Slugs => "LINEWRIGHT_SLUGS",
+            Self::Spectra => "LINEWRIGHT_SPECTRA",
         }
     }
 
-    /// Options that make it decide realizability only. slugs does so by default.
-    const fn options(self) -> &'static [&'static str] {
+    /// Extension of its specifications.
+    const fn ending(self) -> &'static str {
         match self {
-            Self::Gr1c => &["-r"],
-            Self::Slugs => &[],
+            Self::Gr1c => "spc",
+            Self::Slugs => "slugsin",
+            Self::Spectra => "spectra",
         }
     }
 
-    /// From gr1c's exit code, and from slugs' output.
+    /// Options that make it decide realizability only, with alternatives. slugs does so by default.
+    fn options(self) -> Vec<Vec<OsString>> {
+        let text = match self {
+            Self::Gr1c => "-r".to_owned(),
+            Self::Slugs => String::new(),
+            Self::Spectra => std::env::var("LINEWRIGHT_SPECTRA_OPTIONS").unwrap_or_default(),
+        };
+        let alternatives = text.split('|');
+        alternatives
+            .map(|one| one.split_whitespace().map(OsString::from).collect())
+            .collect()
+    }
+
+    /// From gr1c's exit code, and from the output of the others.
     fn verdict(self, run: &Run) -> Verdict {
         match (self, run.end) {
             (_, End::TimedOut) => Verdict::TimedOut,
@@ -81,6 +107,10 @@ impl Peer {
             (Self::Slugs, End::Exit(0)) if run.words.contains("is unrealizable") => {
                 Verdict::Unrealizable
             }
+            (Self::Spectra, End::Exit(_)) if run.text.contains("unrealizable") => {
+                Verdict::Unrealizable
+            }
+            (Self::Spectra, End::Exit(_)) if run.text.contains("realizable") => Verdict::Realizable,
             (_, End::Exit(_)) => Verdict::Refused,
             (_, End::Killed) => Verdict::Killed,
         }
@@ -214,9 +244,18 @@ fn options(arguments: &[OsString]) -> Result<Options, String> {
     Ok(options)
 }
 
-/// The specifications below a folder: relative path and extension.
-fn specifications(root: &Path) -> Vec<(String, String)> {
-    fn visit(root: &Path, folder: &Path, found: &mut Vec<(String, String)>) {
+/// A specification to be measured.
+struct Subject {
+    /// Path relative to the folder of specifications.
+    name: String,
+    /// Extension, without the dot.
+    ending: String,
+    file: PathBuf,
+}
+
+/// The specifications below a folder.
+fn specifications(root: &Path) -> Vec<Subject> {
+    fn visit(root: &Path, folder: &Path, found: &mut Vec<Subject>) {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();
             if path.is_dir() {
@@ -224,18 +263,39 @@ fn specifications(root: &Path) -> Vec<(String, String)> {
                 continue;
             }
             let ending = path.extension().unwrap_or_default().to_string_lossy();
-            if ["spc", "slugsin", "structuredslugs"].contains(&&*ending) {
+            if ["spc", "slugsin", "spectra", "structuredslugs"].contains(&&*ending) {
                 let name = path.strip_prefix(root).unwrap_or(&path);
                 let parts: Vec<_> = name.iter().map(|p| p.to_string_lossy()).collect();
-                found.push((parts.join("/"), ending.into_owned()));
+                found.push(Subject {
+                    name: parts.join("/"),
+                    ending: ending.into_owned(),
+                    file: path.clone(),
+                });
             }
         }
     }
     let mut found = Vec::new();
     visit(root, root, &mut found);
-    // `genbuf5` before `genbuf10`.
-    found.sort_by_cached_key(|(name, _)| table::natural(name));
     found
+}
+
+/// The generated specifications that the filters select, written to `folder`.
+fn generated(folder: &Path, filters: &[String]) -> Result<Vec<Subject>, String> {
+    let mut found = Vec::new();
+    for (name, ending, text) in instances::all() {
+        let name = format!("generated/{name}.{ending}");
+        if !filters.iter().any(|f| name.contains(f.as_str())) {
+            continue;
+        }
+        let file = folder.join(name.rsplit('/').next().unwrap_or(&name));
+        std::fs::write(&file, text()).map_err(|e| format!("{}: {e}", file.display()))?;
+        found.push(Subject {
+            name,
+            ending: ending.to_owned(),
+            file,
+        });
+    }
+    Ok(found)
 }
 
 /// Whether the filters select it.
@@ -273,13 +333,19 @@ fn compare(options: &Options) -> Result<bool, String> {
         Some(root) => PathBuf::from(root),
         None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/bench/specs"),
     };
-    let files = specifications(&root);
-    if files.is_empty() {
-        println!("skipped: no specifications; LINEWRIGHT_SPECS names a folder of them");
-        return Ok(true);
+    let mut subjects = specifications(&root);
+    if subjects.is_empty() {
+        println!(
+            "only generated specifications: LINEWRIGHT_SPECS names a folder of published ones"
+        );
     }
+    subjects.retain(|s| selected(&s.name, &options.filters));
+    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+    subjects.extend(generated(folder.path(), &options.filters)?);
+    // `genbuf5` before `genbuf10`.
+    subjects.sort_by_cached_key(|s| table::natural(&s.name));
     let mut peers: BTreeMap<Peer, PathBuf> = BTreeMap::new();
-    for peer in [Peer::Gr1c, Peer::Slugs] {
+    for peer in Peer::ALL {
         let Some(path) = std::env::var_os(peer.variable()) else {
             let (name, variable) = (peer.name(), peer.variable());
             println!(
@@ -299,71 +365,93 @@ fn compare(options: &Options) -> Result<bool, String> {
     }
 
     let mut agree = true;
-    for (ending, peer) in [
-        ("slugsin", Some(Peer::Slugs)),
-        ("spc", Some(Peer::Gr1c)),
-        ("structuredslugs", None),
-    ] {
-        let peer = peer.filter(|p| peers.contains_key(p));
+    let mut slower = Vec::new();
+    for ending in ["slugsin", "spc", "spectra", "structuredslugs"] {
+        let peer = peers.iter().find(|(p, _)| p.ending() == ending);
+        let peer = peer.map(|(p, path)| (*p, path.as_path()));
         let mut rows: Vec<Row> = Vec::new();
-        let files = files.iter().filter(|(_, e)| e == ending);
-        for (name, _) in files.filter(|(n, _)| selected(n, &options.filters)) {
-            let file = root.join(name);
-            let peer = peer.map(|p| (p, peers[&p].as_path()));
-            let row = measured(name, &file, peer, options)?;
+        for subject in subjects.iter().filter(|s| s.ending == ending) {
+            let row = measured(subject, peer, options)?;
             eprintln!("{}", table::line(&row));
             if let Some(theirs) = row.theirs {
                 let decided = row.ours.verdict.is_decided() && theirs.verdict.is_decided();
                 if decided && row.ours.verdict != theirs.verdict {
                     agree = false;
-                    println!("{name}: VERDICTS DIFFER");
+                    println!("{}: VERDICTS DIFFER", row.name);
+                }
+                if is_slower(&row.ours, &theirs) {
+                    slower.push(table::line(&row));
                 }
             }
             rows.push(row);
         }
         if !rows.is_empty() {
-            let name = peer.map(Peer::name);
+            let name = peer.map(|(p, _)| p.name());
             println!();
             table::print(&summed(rows, options.each, ending), name, options.limit);
         }
     }
+    println!(
+        "\nfiles on which another tool is faster by more than 20 % and 0.05 s: {}",
+        slower.len()
+    );
+    for line in slower {
+        println!("    {line}");
+    }
     Ok(agree)
+}
+
+/// Whether another tool decides a file faster by more than 20 % and 0.05 s.
+fn is_slower(ours: &Figures, theirs: &Figures) -> bool {
+    let difference = ours.seconds - theirs.seconds;
+    theirs.verdict.is_decided()
+        && (!ours.verdict.is_decided() || difference > 0.05 && difference > 0.2 * theirs.seconds)
 }
 
 /// Runs all tools on one file in turns. A tool without a verdict is not run again.
 fn measured(
-    name: &str,
-    file: &Path,
+    subject: &Subject,
     peer: Option<(Peer, &Path)>,
     options: &Options,
 ) -> Result<Row, String> {
     let built = || env!("CARGO_BIN_EXE_linewright").into();
     let mut ours: Vec<OsString> =
         vec![std::env::var_os("LINEWRIGHT_PROGRAM").unwrap_or_else(built)];
-    ours.extend(["check", "--format", "json"].map(OsString::from));
+    ours.extend(["check", "--no-cache", "--format", "json"].map(OsString::from));
     ours.extend(options.check.iter().cloned());
-    ours.push(file.into());
-    let (mut own, mut other) = (Vec::<(Verdict, Run)>::new(), Vec::new());
+    ours.push(subject.file.clone().into());
+    let alternatives = peer.map_or_else(Vec::new, |(p, _)| p.options());
+    let mut own = Vec::<(Verdict, Run)>::new();
+    let mut others: Vec<Vec<(Verdict, Run)>> = vec![Vec::new(); alternatives.len()];
     let again = |runs: &[(Verdict, Run)]| runs.last().is_none_or(|(v, _)| v.is_decided());
     for _ in 0..options.runs {
         if again(&own) {
             let run = measure::run(&ours, options.limit)?;
             own.push((own_verdict(&run), run));
         }
-        if let Some((peer, program)) = peer
-            && again(&other)
-        {
-            let mut theirs = vec![program.as_os_str().to_owned()];
-            theirs.extend(peer.options().iter().map(OsString::from));
-            theirs.push(file.into());
-            let run = measure::run(&theirs, options.limit)?;
-            other.push((peer.verdict(&run), run));
+        let limit = 10.0 * figures(&own).seconds;
+        let limit = Duration::from_secs_f64(limit.max(LEAST_LIMIT));
+        for (words, other) in alternatives.iter().zip(&mut others) {
+            if let Some((peer, program)) = peer
+                && again(other)
+            {
+                let mut theirs = vec![program.as_os_str().to_owned()];
+                theirs.extend(words.iter().cloned());
+                theirs.push(subject.file.clone().into());
+                let run = measure::run(&theirs, limit)?;
+                other.push((peer.verdict(&run), run));
+            }
         }
     }
+    let others = others.iter().map(|runs| figures(runs));
+    let key = |f: &Figures| (!f.verdict.is_decided(), f.seconds);
     Ok(Row {
-        name: name.to_owned(),
+        name: subject.name.clone(),
         ours: figures(&own),
-        theirs: peer.map(|_| figures(&other)),
+        theirs: others.min_by(|a, b| {
+            let ((a, x), (b, y)) = (key(a), key(b));
+            a.cmp(&b).then(x.total_cmp(&y))
+        }),
     })
 }
 

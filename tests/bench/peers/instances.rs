@@ -1,0 +1,73 @@
+//! The generated specifications: sizes between and beyond those of the published files, and games
+//! with arithmetic.
+
+use crate::families::anzu::{amba, genbuf};
+use crate::families::arithmetic::{Task, ahb, cinderella, elevator, robot_arm};
+use crate::families::formula::Format;
+
+/// Sizes of genbuf that are not among the published files.
+const GENBUF: [usize; 8] = [7, 15, 25, 30, 50, 80, 150, 200];
+
+/// Sizes of AMBA that are not among the published files.
+const AMBA: [usize; 7] = [8, 9, 11, 12, 13, 14, 15];
+
+/// Name, extension, and generator of a specification's text.
+pub type Instance = (String, &'static str, Box<dyn Fn() -> String>);
+
+/// Returns all instances.
+pub fn all() -> Vec<Instance> {
+    let mut found: Vec<Instance> = Vec::new();
+    for (format, ending) in [
+        (Format::Slugsin, "slugsin"),
+        (Format::Spc, "spc"),
+        (Format::Spectra, "spectra"),
+    ] {
+        for size in GENBUF {
+            let text = move || genbuf(size, format);
+            found.push((format!("genbuf{size}"), ending, Box::new(text)));
+        }
+        for size in AMBA {
+            let text = move || amba(size, format);
+            found.push((format!("amba{size}"), ending, Box::new(text)));
+        }
+    }
+    let mut add = |name: &str, text: Box<dyn Fn() -> String>| {
+        found.push((name.to_owned(), "spectra", text));
+    };
+    add(
+        "arm-sum-16",
+        Box::new(|| robot_arm(5, 16, Task::Sum, false)),
+    );
+    add(
+        "arm-sum-32",
+        Box::new(|| robot_arm(5, 32, Task::Sum, false)),
+    );
+    add(
+        "arm-product-12",
+        Box::new(|| robot_arm(5, 12, Task::Product, false)),
+    );
+    add(
+        "arm-product-16",
+        Box::new(|| robot_arm(5, 16, Task::Product, false)),
+    );
+    add(
+        "arm-index-16",
+        Box::new(|| robot_arm(5, 16, Task::Index, false)),
+    );
+    add(
+        "arm-obstacle-8",
+        Box::new(|| robot_arm(5, 8, Task::Obstacle, false)),
+    );
+    add(
+        "arm-sum-12-jammed",
+        Box::new(|| robot_arm(5, 12, Task::Sum, true)),
+    );
+    add("elevator-4-1-19", Box::new(|| elevator(4, 1, Some(19))));
+    add("elevator-4-2-10", Box::new(|| elevator(4, 2, Some(10))));
+    add("elevator-5-1-26", Box::new(|| elevator(5, 1, Some(26))));
+    add("ahb-6", Box::new(|| ahb(6, false)));
+    add("ahb-8", Box::new(|| ahb(8, false)));
+    add("cinderella-5-2-9-5", Box::new(|| cinderella(5, 2, 9, 5)));
+    add("cinderella-6-2-11-5", Box::new(|| cinderella(6, 2, 11, 5)));
+    found
+}
