@@ -4,7 +4,6 @@
 //! given by interval arithmetic. Division is long division on absolute values, rounded toward minus
 //! infinity.
 
-use super::encoding::relieve;
 use super::{Kernel, Limit};
 
 /// A number: its bits from the least significant one to the sign. Never empty.
@@ -75,7 +74,6 @@ impl<K: Kernel> Number<K> {
         let mut carry = m.constant(carry);
         let mut bits = Vec::with_capacity(width);
         for i in 0..width {
-            relieve(m)?;
             let other = if flip {
                 m.not(b.bit(i))?
             } else {

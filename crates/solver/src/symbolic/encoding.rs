@@ -10,10 +10,6 @@ use super::{Bit, BitSet, Kernel, Limit};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Specification, Time, UnaryOp, VarId};
 
-/// Number of nodes above which the kernel may reorder between the operations of arithmetic, not
-/// only between formulas: a sum or an indexed array in a bad order can exceed any memory.
-const CROWDED_NODES: u64 = 100_000;
-
 /// The bits of one variable.
 #[derive(Debug, Clone)]
 struct Layout {
@@ -175,7 +171,6 @@ impl Encoding {
     }
 
     fn number<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<Number<K>, Limit> {
-        relieve(m)?;
         let result = match expr {
             Expr::Const(c) => return Ok(Number::constant(m, *c)),
             Expr::Var(v, time) => {
@@ -224,14 +219,6 @@ impl Encoding {
         let range = self.interval(expr)?;
         Ok(result.resize(width(range.low, range.high)))
     }
-}
-
-/// Allows the kernel to reorder if it holds many nodes.
-pub(super) fn relieve<K: Kernel>(m: &K) -> Result<(), Limit> {
-    if m.nodes() > CROWDED_NODES {
-        m.safe_point()?;
-    }
-    Ok(())
 }
 
 /// The bits of a variable as an unsigned number.
