@@ -34,7 +34,7 @@ pub(super) struct WalkTables {
 }
 
 /// Number of nodes above which a line holds as many of them as fit, without spaces: nobody reads so
-/// many, and the file is little more than half as large.
+/// many, and the file is more than a quarter smaller.
 const MANY_NODES: usize = 1_000;
 
 fn nodes(nodes: &[DiagramNode], signal: Signals<'_>) -> String {
