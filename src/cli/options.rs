@@ -82,7 +82,7 @@ pub struct GlobalOptions {
     /// Time limit of the whole command [default: never]
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub timeout: Option<Duration>,
-    /// Multiply the work limit of proofs by FACTOR
+    /// Multiply the work limit of proofs and explanations by FACTOR
     #[arg(
         long,
         global = true,
@@ -90,7 +90,7 @@ pub struct GlobalOptions {
         default_value = "1",
         value_parser = effort,
         allow_negative_numbers = true,
-        long_help = "Multiply the work limit of proofs of machines and lines by FACTOR. Work is counted in BDD nodes \
+        long_help = "Multiply the work limit of proofs of machines and lines, and of explanations, by FACTOR. Work is counted in BDD nodes \
 and operations, not in seconds, so the same input has the same verdict on every computer"
     )]
     pub effort: BudgetFactor,

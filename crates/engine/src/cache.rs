@@ -16,8 +16,8 @@ use super::statistics::Statistics;
 use linewright_core::gr1::{Expr, Formula, Specification, Variable};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::{
-    Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic, KernelChoice, Order,
-    WeaknessFindings,
+    BudgetFactor, Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic,
+    KernelChoice, Order, WeaknessFindings,
 };
 use linewright_solver::mealy::{self, Controller, functions::Functions};
 use linewright_solver::symbolic::Bit;
@@ -138,6 +138,8 @@ pub struct Options<'a> {
     pub heuristics: &'a [Heuristic],
     /// Memory limit in MiB.
     pub memory_mib: Option<u64>,
+    /// Factor for the work that may be done to explain a verdict.
+    pub budget_factor: BudgetFactor,
     /// Requested properties of the controller.
     pub extraction: ExtractionOptions,
 }

@@ -9,7 +9,7 @@
 use super::pipeline::InternalError;
 use super::statistics::Seconds;
 use linewright_core::gr1::Specification;
-use linewright_solver::game::{Limit, Limits, Preference, WonGame};
+use linewright_solver::game::{Budget, Limit, Limits, Preference, WonGame};
 use linewright_solver::mealy::{self, Machine, functions::Functions};
 use linewright_station::emit::table_bytes;
 use std::time::Instant;
@@ -19,10 +19,6 @@ const MACHINE_PEAK_NODES: u64 = 47_500;
 
 /// Maximum number of bit pairs of games for which a machine is tried.
 const MACHINE_PAIRS: usize = 48;
-
-/// If functions are acceptable: a machine is abandoned when it needs more live nodes than this, or
-/// when more pairs of a state and inputs would have to be verified.
-const MACHINE_NODES: u64 = 500_000;
 
 /// If functions are acceptable: maximum size of a machine's tables in bytes.
 const TABLE_BYTES: usize = 256 << 10;
@@ -72,12 +68,10 @@ pub fn controller(
     } else if won.peak_nodes > MACHINE_PEAK_NODES || pairs > MACHINE_PAIRS {
         work.functions(limits)
     } else {
-        let bounded = Limits {
-            max_nodes: Some(MACHINE_NODES),
-            ..*limits
-        };
+        // The node limit also holds for the pairs of a state and inputs that have to be verified.
+        let bounded = limits.with_budget_after(won.work(), Budget::LISTING);
         match work.machine(&bounded) {
-            Err(Limit::Memory | Limit::Size) => work.functions(limits),
+            Err(Limit::Memory | Limit::Size | Limit::Work(_)) => work.functions(limits),
             Ok(Ok(Controller::Machine(machine))) if table_bytes(&machine) > TABLE_BYTES => {
                 work.functions(limits)
             }

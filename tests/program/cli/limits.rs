@@ -233,10 +233,31 @@ fn proofs_are_limited_by_counted_work() {
     assert_eq!(busy("--timeout 3000"), whole);
 
     let little = run("--effort 0.00001");
-    let wanted = "the proof needed more than 10 nodes at once";
+    let wanted = "it needed more than 10 nodes at once";
     assert!(little.1.contains(wanted), "{}", little.1);
     assert!(little.1.contains("--effort 10"), "{}", little.1);
     assert_eq!(busy("--effort 0.00001 --timeout 3000"), little);
+}
+
+#[test]
+fn an_explanation_is_limited_by_work() {
+    let session = Session::new();
+    let contract = "contract Clamp {
+        input close, door_open: bool
+        output closed: bool
+        guarantee follows: always (closed <-> close)
+        guarantee guard: always (door_open -> not closed)
+    }";
+    std::fs::write(session.path("never.lw"), contract).expect("a file");
+    let whole = session.run("check never.lw --no-cache");
+    assert_eq!(whole.code, 1, "{}", whole.err);
+    assert!(!whole.out.contains("incomplete"), "{}", whole.out);
+    let little = session.run("check never.lw --no-cache --effort 1e-9");
+    assert_eq!(little.code, 1, "{}", little.err);
+    let wanted = "this explanation is incomplete: it took more than";
+    let printed = format!("{}{}", little.out, little.err);
+    assert!(printed.contains(wanted), "{printed}");
+    assert!(printed.contains("--effort"), "{printed}");
 }
 
 #[test]
@@ -584,7 +605,7 @@ fn a_small_effort_ends_soon() {
     let output = linewright(root(), &[&arguments[..], &["--timeout", "300"]].concat());
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{text}");
-    assert!(text.contains("the proof took more than"), "{text}");
+    assert!(text.contains("it took more than"), "{text}");
 }
 
 /// What a limit left undecided is no error: proving that the parts of this machine fit together

@@ -3,12 +3,9 @@
 
 use super::InternalError;
 use linewright_core::gr1::Specification;
-use linewright_solver::game::{self, Advice, GuaranteeRef, Limit, Limits, Play};
+use linewright_solver::game::{self, Advice, Budget, GuaranteeRef, Limit, Limits, Play};
 use linewright_solver::mealy::{self, Machine};
 use serde::{Deserialize, Serialize};
-
-/// Maximum number of nodes for the counterstrategy and for the search for repairs.
-const MAX_NODES: u64 = 2_000_000;
 
 /// Explanation of an unrealizable contract.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -33,10 +30,8 @@ pub(super) fn explain(
     limits: &Limits,
     report: &mut dyn FnMut(&Explanation),
 ) -> Result<Explanation, InternalError> {
-    let limits = Limits {
-        max_nodes: Some(MAX_NODES),
-        ..*limits
-    };
+    let repairs = limits.with_budget(Budget::REPAIRS);
+    let limits = limits.with_budget(Budget::COUNTERSTRATEGY);
     let mut explained = Explanation {
         complete: true,
         ..Explanation::default()
@@ -63,9 +58,9 @@ pub(super) fn explain(
     }
     explained.play = Some(attack.play.clone().with_original_references(core));
     report(&explained);
-    match game::advise(specification, core, &attack.play, &limits) {
+    match game::advise(specification, core, &attack.play, &repairs) {
         Ok(advice) => explained.advice = Some(advice),
-        Err(limit) => explained = explained.stopped(limits.attribute(limit)),
+        Err(limit) => explained = explained.stopped(repairs.attribute(limit)),
     }
     Ok(explained)
 }
@@ -75,7 +70,8 @@ impl Explanation {
     /// incomplete: other limits give the same result in every run.
     pub(super) fn stopped(mut self, limit: Limit) -> Self {
         self.complete &= !matches!(limit, Limit::Stopped(_));
-        self.stopped_by = self.stopped_by.or(Some(limit).filter(|l| l.is_external()));
+        let can_be_raised = limit.remedy().is_some();
+        self.stopped_by = self.stopped_by.or(Some(limit).filter(|_| can_be_raised));
         self
     }
 }

@@ -158,8 +158,7 @@ pub struct Job {
     /// Whether the controller must be a machine of any size, even if functions are acceptable for
     /// the other jobs.
     pub explicit: bool,
-    /// For a specification from another tool's file: the file's format. Formulas that demand less
-    /// than they seem to are then not reported.
+    /// For a specification from another tool's file: the file's format.
     format: Option<Format>,
     /// If assumptions were added to those in the file, the specification without them; findings
     /// about assumptions refer to it.

@@ -9,14 +9,11 @@ use crate::internal::within;
 use crate::statistics::Statistics;
 use crate::worker::{self, Completion};
 use linewright_core::gr1::Specification;
-use linewright_solver::game::{self, Heuristic, Limit, Limits, Outcome, Phase, Progress};
+use linewright_solver::game::{self, Budget, Heuristic, Limit, Outcome, Phase, Progress};
 use linewright_solver::mealy;
 use linewright_solver::mealy::functions::Functions;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Maximum number of nodes for examining the environment of a small game.
-const MAX_EXAMINED_NODES: u64 = 400_000;
 
 /// A job with the settings for running it.
 pub(super) struct Task {
@@ -81,6 +78,7 @@ impl Task {
                 kernel: self.settings.kernel,
                 heuristics: &heuristics,
                 memory_mib: self.settings.limits.memory_mib,
+                budget_factor: self.settings.limits.budget_factor,
                 extraction: self.extraction_options(),
             },
         );
@@ -178,11 +176,13 @@ impl Task {
         }
         let last_order = solved.statistics.last_order;
         let mut known = Analysis::new(statistics);
+        let mut stopped_by = None;
         let won = match solved.outcome {
             Outcome::GaveUp(limit) => return Ok(Err(limit)),
             Outcome::Unrealizable(lost) => {
                 known.peak_nodes = lost.peak_nodes;
                 known.core = lost.core;
+                stopped_by = lost.stopped_by;
                 None
             }
             Outcome::Realizable(won) => {
@@ -191,6 +191,7 @@ impl Task {
                 Some(won)
             }
         };
+        let solved_work = won.as_ref().map_or(0, game::WonGame::work);
         report(known.clone());
         if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
             let names = &known.statistics.order_after;
@@ -215,9 +216,7 @@ impl Task {
                 })?;
                 known.explanation = Some(Box::new(explanation));
             }
-            // The search for a core ends without one only at a limit.
-            if known.core.is_none() {
-                let limit = limits.check_time().err().unwrap_or(Limit::Memory);
+            if let Some(limit) = stopped_by {
                 known = known.stopped(limit, &self.job);
             }
             return Ok(Ok(known));
@@ -243,15 +242,16 @@ impl Task {
         }
         report(known.clone());
         if self.examines(large) {
-            // A game that is small by the solver's limit can still be too large for this step,
-            // which then gives up at its own limit.
-            let limits = Limits {
-                max_nodes: Some(MAX_EXAMINED_NODES),
-                ..*limits
+            let budget = Budget {
+                work: Budget::EXAMINATION.work + solved_work,
+                ..Budget::EXAMINATION
             };
             let environment = within("examining its plant", || match &self.job.own {
-                Some(own) => game::examine_environment(own, &limits),
-                None => won.examine_environment(specification, &limits),
+                Some(own) => game::examine_environment(own, &limits.with_budget(budget)),
+                None => won.examine_environment(
+                    specification,
+                    &limits.with_budget_after(won.work(), budget),
+                ),
             });
             let is_late = matches!(environment, Err(Limit::Stopped(_)));
             known.environment = environment.ok();
@@ -261,7 +261,10 @@ impl Task {
             if known.reports_shape(&self.job) {
                 report(known.clone());
                 let shape = within("examining its formulas", || {
-                    won.find_weaknesses(specification, &limits)
+                    won.find_weaknesses(
+                        specification,
+                        &limits.with_budget_after(won.work(), budget),
+                    )
                 });
                 if !is_late && !matches!(shape, Err(Limit::Stopped(_))) {
                     known.examined = ExaminationDepth::Whole;
@@ -273,17 +276,13 @@ impl Task {
     }
 
     fn play(&self, hints: &Hints) -> game::Solution {
-        let heuristics = self.settings.heuristics;
         let options = game::Options {
             limits: self.settings.limits,
             kernel: self.settings.kernel,
-            heuristics: if hints.exact {
-                heuristics.without(Heuristic::Sifting)
-            } else {
-                heuristics
-            },
+            heuristics: self.settings.heuristics,
             without_core: self.job.goal == Goal::Answer,
             initial_order: hints.order.clone(),
+            is_final_order: hints.exact,
             initial_region: hints.region.clone(),
             progress: Arc::clone(&self.solve),
         };
@@ -338,7 +337,7 @@ impl Task {
             peak_nodes: entry.peak_nodes,
             statistics,
         };
-        // The entry can come from another tool's file, for which less was examined.
+        // A limit of time can have ended the examination of the entry.
         let is_sufficient =
             known.examined == ExaminationDepth::Whole || !known.reports_shape(&self.job);
         (is_sufficient || !examines).then_some(known)

@@ -9,7 +9,7 @@ use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use super::reference::{AssumptionRef, GuaranteeRef};
 use super::relation::Relation;
-use super::structure;
+use super::structure::{self, Orientation};
 use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
 use linewright_core::gr1::{
     Expr, Formula, FormulaKind, Owner, Side, Specification, Time, Timing, VarId,
@@ -72,11 +72,21 @@ impl Selection<'_> {
 /// Returns the initial order: by the structure of the formulas if that heuristic is enabled,
 /// otherwise by declaration.
 pub fn initial_order(specification: &Specification, heuristics: Heuristics) -> Order {
+    oriented_order(specification, heuristics, Orientation::Preferred)
+}
+
+/// Returns the initial order with this orientation; without the heuristic, the orientation has no
+/// effect.
+pub fn oriented_order(
+    specification: &Specification,
+    heuristics: Heuristics,
+    orientation: Orientation,
+) -> Order {
     let encoding = Encoding::new(specification);
     // One additional pair at the bottom holds the strategy's flag: how many goals a step reaches.
     let pairs = encoding.pairs() + 1;
     if heuristics.has(Heuristic::Structure) {
-        structure::order(specification, &encoding, pairs)
+        structure::order(specification, &encoding, pairs, orientation)
     } else {
         Order::natural(pairs)
     }

@@ -24,13 +24,13 @@ const CACHED_RESULTS: usize = 1 << 17;
 /// Number of slots of the cache of [`Choices`]; a power of two.
 const CACHED_CHOICES: usize = 1 << 15;
 
-/// A simplification is abandoned after this number of conjunctions of two nodes, plus
-/// [`WORK_PER_NODE`] for each node of the function. Without this limit, reducing `care` to the bits
+/// A simplification is abandoned after this many units of work, plus [`WORK_PER_NODE`] for each
+/// node of the function. Without this limit, reducing `care` to the bits
 /// on which the function depends could take arbitrarily long.
-const BASE_WORK: usize = 1_000;
+const BASE_WORK: u64 = 1_000;
 
 /// See [`BASE_WORK`].
-const WORK_PER_NODE: usize = 2;
+const WORK_PER_NODE: u64 = 2;
 
 /// Minimum number of slots of the node table; a power of two.
 const MIN_SLOTS: usize = 1 << 12;
@@ -93,10 +93,10 @@ pub struct DiagramBuilder {
     mark: u32,
     limits: Limits,
     max_nodes: usize,
-    /// Number of conjunctions of two nodes so far.
-    work: usize,
+    /// Units of work so far: operations on two nodes whose result was not known.
+    work: u64,
     /// Value of `work` above which a simplification is abandoned.
-    work_limit: usize,
+    work_limit: u64,
 }
 
 /// Level of constants, below all others.
@@ -120,7 +120,7 @@ impl DiagramBuilder {
             limits: *limits,
             max_nodes: bounds.fold(MAX_NODES, u64::min) as usize,
             work: 0,
-            work_limit: usize::MAX,
+            work_limit: u64::MAX,
         }
     }
 
@@ -200,6 +200,19 @@ impl DiagramBuilder {
         }
     }
 
+    /// Counts a unit of work.
+    fn spend(&mut self) -> Result<(), Limit> {
+        self.work += 1;
+        if self.work > self.work_limit {
+            return Err(Limit::Size);
+        }
+        if self.work.is_multiple_of(1 << 14) {
+            self.limits.check_time()?;
+            self.limits.check_work(self.work)?;
+        }
+        Ok(())
+    }
+
     fn place((operation, a, b): (Operation, u32, u32)) -> usize {
         spread(operation as u32, a, b) as usize & (CACHED_RESULTS - 1)
     }
@@ -231,13 +244,7 @@ impl DiagramBuilder {
         if let Some(known) = self.cached(key) {
             return Ok(known);
         }
-        self.work += 1;
-        if self.work > self.work_limit {
-            return Err(Limit::Size);
-        }
-        if self.work.is_multiple_of(1 << 16) {
-            self.limits.check_time()?;
-        }
+        self.spend()?;
         let level = self.level(a).min(self.level(b));
         let ((a1, a0), (b1, b0)) = (self.branches(a, level), self.branches(b, level));
         let high = self.and(a1, b1)?;
@@ -268,6 +275,7 @@ impl DiagramBuilder {
         if let Some(known) = self.cached(key) {
             return Ok(known.flipped(negate));
         }
+        self.spend()?;
         let level = self.level(a).min(self.level(b));
         let ((a1, a0), (b1, b0)) = (self.branches(a, level), self.branches(b, level));
         let high = self.xor(a1, b1)?;
@@ -305,6 +313,7 @@ impl DiagramBuilder {
         {
             return Ok(*choices);
         }
+        self.spend()?;
         let high = self.choices_at(high, level)?;
         let low = self.choices_at(low, level)?;
         let choices = Choices {
@@ -362,9 +371,9 @@ impl DiagramBuilder {
             return Ok(f);
         }
         let size = self.size(f);
-        self.work_limit = self.work + BASE_WORK + WORK_PER_NODE * size;
+        self.work_limit = self.work + BASE_WORK + WORK_PER_NODE * size as u64;
         let smaller = self.restrict(f, care);
-        self.work_limit = usize::MAX;
+        self.work_limit = u64::MAX;
         let smaller = smaller?;
         let shrinks = smaller != f && self.size(smaller) < size;
         Ok(if shrinks { smaller } else { f })

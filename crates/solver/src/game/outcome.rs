@@ -36,6 +36,8 @@ pub struct LostGame {
     /// A minimal core: guarantees that cannot be kept together under the assumptions, although
     /// every proper subset can. `None` if the search was skipped or reached a limit.
     pub core: Option<Vec<GuaranteeRef>>,
+    /// Limit that ended the search for the core.
+    pub stopped_by: Option<Limit>,
     /// Peak number of live nodes.
     pub peak_nodes: u64,
 }
@@ -76,6 +78,9 @@ pub trait Game: Debug + Send + Sync {
 
     /// See [`WonGame::region`].
     fn region(&self) -> Diagram;
+
+    /// See [`WonGame::work`].
+    fn work(&self) -> u64;
 }
 
 impl LostGame {
@@ -139,5 +144,11 @@ impl WonGame {
     /// Returns a diagram over current bits whose only root is the winning region.
     pub fn region(&self) -> Diagram {
         self.game.region()
+    }
+
+    /// Returns the units of work done so far on the kernel that holds the game; see
+    /// [`Limits::with_budget_after`].
+    pub fn work(&self) -> u64 {
+        self.game.work()
     }
 }

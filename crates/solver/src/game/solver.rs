@@ -6,7 +6,7 @@
 //! solved on the kernel with a shared store. The choice depends only on the specification, so that
 //! the same input always gives the same machine.
 
-use super::arena::{Arena, Formulas, initial_order};
+use super::arena::{Arena, Formulas, initial_order, oriented_order};
 use super::attack::{self, Attack, Play, PlayEnd};
 use super::core;
 use super::explore::{self, ExplicitStrategy};
@@ -14,7 +14,7 @@ use super::findings::shape::{self, WeaknessFindings};
 use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
 use super::functions::{self, StrategyFunctions};
-use super::heuristics::Heuristics;
+use super::heuristics::{Heuristic, Heuristics};
 use super::outcome::{Game, LostGame, Outcome, WonGame};
 use super::progress::{Phase, Progress};
 use super::ranking::{self, Ranking};
@@ -23,8 +23,9 @@ use super::repair::{self, Advice};
 use super::set_up;
 use super::statistics::Statistics;
 use super::strategy::{self, Preference};
+use super::structure::Orientation;
 use crate::symbolic::{
-    Biodivine, Bit, Diagram, Encoding, Kernel, Limit, Limits, Order, SharedStore,
+    Biodivine, Bit, Budget, Diagram, Encoding, Kernel, Limit, Limits, Order, SharedStore,
 };
 use linewright_core::gr1::{Formula, Specification, Time, VarId};
 use std::sync::Arc;
@@ -45,6 +46,20 @@ const LARGE_NODES: u64 = 100_000;
 
 /// Like [`LARGE_NODES`], but for a kernel that counts dead nodes until it collects them.
 const LARGE_NODES_SHARED: u64 = 1 << 20;
+
+/// Maximum work for solving a game again from the reversed order, in addition to
+/// [`REVERSED_WORK_FACTOR`] times the work that solving it took. It takes a fifth of a second.
+const REVERSED_WORK: u64 = 4_000_000;
+
+/// See [`REVERSED_WORK`].
+const REVERSED_WORK_FACTOR: u64 = 4;
+
+/// Maximum work in each variable order for the functions that pursue the first goal. As long as it
+/// suffices in neither order, it is multiplied by [`FIRST_GOAL_FACTOR`].
+const FIRST_GOAL_WORK: u64 = 4_000_000;
+
+/// See [`FIRST_GOAL_WORK`].
+const FIRST_GOAL_FACTOR: u64 = 4;
 
 /// The kernel on which a game is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -72,6 +87,8 @@ pub struct Options {
     /// Initial variable order, such as that of an earlier run; `None` to derive one from the
     /// formulas. With the automatic kernel, only a large game uses it.
     pub initial_order: Option<Order>,
+    /// Whether [`Self::initial_order`] is good enough to be used without sifting.
+    pub is_final_order: bool,
     /// A diagram whose only root is a set of states known to contain the winning region. With the
     /// automatic kernel, only a large game uses it.
     pub initial_region: Option<Diagram>,
@@ -96,6 +113,40 @@ struct RealizedGame<K: Kernel> {
     arena: Arena<K>,
     /// The states from which the machine wins.
     region: K::Function,
+    /// The heuristics with which the game was solved.
+    heuristics: Heuristics,
+}
+
+impl<K: Kernel> RealizedGame<K> {
+    /// Solves the game again from the reversed initial order, for functions that may be smaller.
+    /// Returns `None` if that takes far more work than solving it took, or if the order is not
+    /// derived from the structure.
+    fn reversed(&self, specification: &Specification, limits: &Limits) -> Option<Self> {
+        if !self.heuristics.has(Heuristic::Structure) {
+            return None;
+        }
+        let m = &self.arena.kernel;
+        let order = oriented_order(specification, self.heuristics, Orientation::Reversed);
+        let limits = Limits {
+            max_work: Some(REVERSED_WORK + REVERSED_WORK_FACTOR * m.work()),
+            ..*limits
+        };
+        let played = play::<K>(
+            specification,
+            &order,
+            self.heuristics,
+            &limits,
+            &Progress::default(),
+            Some(&self.region()),
+        );
+        let (_, arena, region) = played.ok()?;
+        Some(Self {
+            formulas: None,
+            arena,
+            region: region?,
+            heuristics: self.heuristics,
+        })
+    }
 }
 
 impl<K: Kernel> Game for RealizedGame<K> {
@@ -115,7 +166,15 @@ impl<K: Kernel> Game for RealizedGame<K> {
         specification: &Specification,
         limits: &Limits,
     ) -> Result<StrategyFunctions, Limit> {
-        functions::functions(&self.arena.with_limits(limits), specification, &self.region)
+        let arena = self.arena.with_limits(limits);
+        let Some(reversed) = self.reversed(specification, limits) else {
+            return functions::functions(&arena, specification, &self.region);
+        };
+        let other = reversed.arena.with_limits(limits);
+        better_functions(
+            specification,
+            [(&arena, &self.region), (&other, &reversed.region)],
+        )
     }
 
     fn examine_environment(
@@ -147,6 +206,42 @@ impl<K: Kernel> Game for RealizedGame<K> {
 
     fn region(&self) -> Diagram {
         self.arena.kernel.export(&[&self.region])
+    }
+
+    fn work(&self) -> u64 {
+        self.arena.kernel.work()
+    }
+}
+
+/// Computes functions in two variable orders as far as the first goal, and returns those for all
+/// goals in the better order. The orders take turns with growing limits of work, so that a bad one
+/// costs at most a few times the work of the other.
+fn better_functions<K: Kernel>(
+    specification: &Specification,
+    games: [(&Arena<K>, &K::Function); 2],
+) -> Result<StrategyFunctions, Limit> {
+    let mut work = FIRST_GOAL_WORK;
+    loop {
+        let tried =
+            games.map(|(arena, region)| functions::first_goal(arena, specification, region, work));
+        let chosen = match &tried {
+            [Ok(own), Ok(other)] => {
+                usize::from(other.diagram.nodes.len() < own.diagram.nodes.len())
+            }
+            [Ok(_), _] => 0,
+            [_, Ok(_)] => 1,
+            [Err(Limit::Work(_)), _] | [_, Err(Limit::Work(_))] => {
+                work *= FIRST_GOAL_FACTOR;
+                continue;
+            }
+            [Err(limit), Err(_)] => return Err(*limit),
+        };
+        let (arena, region) = games[chosen];
+        if arena.goals.len() > 1 {
+            return functions::functions(arena, specification, region);
+        }
+        let [own, other] = tried;
+        return if chosen == 0 { own } else { other };
     }
 }
 
@@ -340,21 +435,25 @@ fn solve_on<K: Kernel>(
     }
 }
 
-fn decide<K: Kernel>(
+/// An encoded game and its winning region; `None` if the environment wins.
+type Played<K> = (Formulas<K>, Arena<K>, Option<<K as Kernel>::Function>);
+
+/// Sets up a game and computes its winning region. `within` is a set of states known to contain it.
+fn play<K: Kernel>(
     specification: &Specification,
     order: &Order,
+    heuristics: Heuristics,
     limits: &Limits,
-    options: &Options,
-    hints: Hints<'_>,
-) -> Result<Outcome, Limit> {
-    let progress = &*options.progress;
+    progress: &Progress,
+    within: Option<&Diagram>,
+) -> Result<Played<K>, Limit> {
     let (formulas, arena) =
-        set_up::set_up::<K>(specification, order, options.heuristics, limits, progress)?;
+        set_up::set_up::<K>(specification, order, heuristics, limits, progress)?;
 
     progress.set_phase(Phase::Fixpoint);
     let clock = Instant::now();
-    let within = match hints.region {
-        Some(region) => Some(arena.kernel.import(region)?.swap_remove(0)),
+    let within = match within {
+        Some(within) => Some(arena.kernel.import(within)?.swap_remove(0)),
         None => None,
     };
     let region = winning_region(&arena, within.as_ref(), progress.iterations());
@@ -372,31 +471,60 @@ fn decide<K: Kernel>(
                 _ => LARGE_NODES_SHARED,
             };
     });
-    if let Some(region) = region? {
+    let region = region?;
+    Ok((formulas, arena, region))
+}
+
+fn decide<K: Kernel>(
+    specification: &Specification,
+    order: &Order,
+    limits: &Limits,
+    options: &Options,
+    hints: Hints<'_>,
+) -> Result<Outcome, Limit> {
+    let progress = &*options.progress;
+    let heuristics = if options.is_final_order && hints.order.is_some() {
+        options.heuristics.without(Heuristic::Sifting)
+    } else {
+        options.heuristics
+    };
+    let (formulas, arena, region) = play::<K>(
+        specification,
+        order,
+        heuristics,
+        limits,
+        progress,
+        hints.region,
+    )?;
+    let peak_nodes = formulas.peak_nodes();
+    if let Some(region) = region {
         return Ok(Outcome::Realizable(WonGame {
             game: Box::new(RealizedGame {
                 formulas: (!progress.statistics().large).then_some(formulas),
                 arena,
                 region,
+                heuristics: options.heuristics,
             }),
             peak_nodes,
         }));
     }
     drop(arena);
     progress.set_phase(Phase::Core);
-    let core = if options.without_core {
-        None
-    } else {
-        match core::minimal_core(&formulas, specification) {
+    let (mut core, mut stopped_by) = (None, None);
+    if !options.without_core {
+        let limits = limits.with_budget_after(formulas.kernel().work(), Budget::CORE);
+        match core::minimal_core(&formulas.with_limits(&limits), specification) {
             // The attempt on the small kernel ran out of room; the large kernel has more.
             Err(Limit::Memory) if limits.max_created != options.limits.max_created => {
                 return Err(Limit::Memory);
             }
-            core => core.ok(),
+            Err(limit) => stopped_by = Some(limits.attribute(limit)),
+            Ok(found) => core = Some(found),
         }
-    };
+    }
     Ok(Outcome::Unrealizable(LostGame {
         core,
+        stopped_by,
         peak_nodes: formulas.peak_nodes(),
     }))
 }

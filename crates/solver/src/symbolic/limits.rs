@@ -41,10 +41,10 @@ pub enum Limit {
     #[error("its variables take more than {} bits", super::MAX_PAIRS)]
     Bits,
     /// The work budget is used up; carries the budget in units.
-    #[error("the proof took more than {0} units of work")]
+    #[error("it took more than {0} units of work")]
     Work(u64),
     /// The node budget is used up; carries the budget.
-    #[error("the proof needed more than {0} nodes at once")]
+    #[error("it needed more than {0} nodes at once")]
     Nodes(u64),
 }
 
@@ -76,8 +76,8 @@ pub struct Budget {
 }
 
 /// The default budgets. An idle computer does about 20 million units of work per second. The
-/// shipped examples use less than a quarter of the work and half of the nodes: the most expensive
-/// question about the laboratory's line, the premises of its verdict, takes 145 million units and
+/// shipped examples use less than a third of the work and half of the nodes: the most expensive
+/// question about the laboratory's line, the premises of its verdict, takes 166 million units and
 /// fewer than 500,000 nodes. `check` waits for the answer to each question about a line, so
 /// [`Budget::LINE`] corresponds to only half a minute.
 impl Budget {
@@ -96,6 +96,32 @@ impl Budget {
     pub const MACHINE: Self = Self {
         work: 3_000_000_000,
         nodes: 8_000_000,
+    };
+    /// For listing the states of a machine if functions are acceptable instead.
+    pub const LISTING: Self = Self {
+        work: 16_000_000,
+        nodes: 500_000,
+    };
+    /// For examining the assumptions of a realizable contract, and for examining its formulas. Each
+    /// may also take as much work as the verdict did.
+    pub const EXAMINATION: Self = Self {
+        work: 2_000_000,
+        nodes: 400_000,
+    };
+    /// For finding a minimal set of guarantees that clash.
+    pub const CORE: Self = Self {
+        work: 300_000_000,
+        nodes: 1 << 24,
+    };
+    /// For the counterstrategy of such guarantees.
+    pub const COUNTERSTRATEGY: Self = Self {
+        work: 300_000_000,
+        nodes: 2_000_000,
+    };
+    /// For the search for repairs.
+    pub const REPAIRS: Self = Self {
+        work: 300_000_000,
+        nodes: 2_000_000,
     };
     /// For a question about the free places that a conveyor's contract guarantees. Such a contract
     /// is usually small. If it is large, the question is left open rather than taking a long time.
@@ -162,8 +188,18 @@ impl Limits {
         }
     }
 
+    /// Like [`Limits::with_budget`], for a kernel that has already done `done` units of work.
+    #[must_use]
+    pub fn with_budget_after(&self, done: u64, budget: Budget) -> Self {
+        let limits = self.with_budget(budget);
+        Self {
+            max_work: limits.max_work.map(|most| most.saturating_add(done)),
+            ..limits
+        }
+    }
+
     /// Returns an error once more work was done than allowed.
-    pub(super) fn check_work(&self, done: u64) -> Result<(), Limit> {
+    pub(crate) fn check_work(&self, done: u64) -> Result<(), Limit> {
         match self.max_work {
             Some(most) if done > most => Err(Limit::Work(most)),
             _ => Ok(()),

@@ -16,7 +16,7 @@ mod fair;
 mod path;
 mod rule_encoder;
 
-use super::structure;
+use super::structure::{self, Orientation};
 use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, SharedStore};
 use linewright_core::gr1::{
     Domain, Expr, Formula, FormulaKind, Side, Specification, Timing, VarId, Variable,
@@ -113,7 +113,7 @@ impl Runs {
         let specification = as_specification(variables, &rules);
         let encoding = Encoding::new(&specification);
         let pairs = encoding.pairs().max(1);
-        let order = structure::order(&specification, &encoding, pairs);
+        let order = structure::order(&specification, &encoding, pairs, Orientation::AsFound);
         let engine: Box<dyn Engine> = if pairs <= SMALL_PAIRS {
             Box::new(RuleEncoder::<Biodivine>::new(
                 &specification,

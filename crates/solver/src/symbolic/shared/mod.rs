@@ -61,10 +61,8 @@ const REORDER_NODES: u64 = 18_000;
 /// sifting, so that sifting takes a bounded share of all work.
 const SIFT_WORK_PER_NODE: u64 = 60;
 
-/// Units of work per created node, and per operation. A node of this kernel is looked up in a
-/// common table and moved when the order changes, and so takes about this many times as long as a
-/// node that is owned by a single function.
-const WORK_PER_NODE: u64 = 10;
+/// Units of work per operation.
+const WORK_PER_OPERATION: u64 = 10;
 
 /// The store is reordered only if the new order needs less than this percentage of the current
 /// nodes.
@@ -191,7 +189,7 @@ impl State {
     }
 
     fn work(&self) -> u64 {
-        WORK_PER_NODE * (self.operations + self.store.created())
+        WORK_PER_OPERATION * self.operations + self.store.work()
     }
 
     fn note_peak(&mut self) {
@@ -282,11 +280,16 @@ impl SharedStore {
         self.limits.check_time()?;
         let mut state = self.state();
         self.limits.check_work(state.work())?;
-        state.store.set_deadline(self.limits.deadline);
+        let capacity = self.capacity();
+        let max_work = self.limits.max_work.unwrap_or(u64::MAX);
+        let before = WORK_PER_OPERATION * state.operations;
+        state
+            .store
+            .set_limits(self.limits.deadline, max_work.saturating_sub(before));
         let mut result = operation(&mut state.store);
         if result == Err(Stop::Full) {
             state.collect();
-            if state.nodes() > self.shared.capacity / 10 * 9 {
+            if state.nodes() > capacity / 10 * 9 {
                 return Err(Limit::Memory);
             }
             result = operation(&mut state.store);
@@ -295,15 +298,25 @@ impl SharedStore {
             Ok(link) => state.function(link),
             Err(Stop::Full) => return Err(Limit::Memory),
             Err(Stop::Late(reason)) => return Err(Limit::Stopped(reason)),
+            Err(Stop::Work) => return Err(Limit::Work(max_work)),
         };
         state.operations += 1;
-        if state.nodes() > self.shared.capacity {
+        if state.nodes() > capacity {
             state.collect();
-            if state.nodes() > self.shared.capacity / 10 * 9 {
+            if state.nodes() > capacity / 10 * 9 {
                 return Err(Limit::Memory);
             }
         }
         Ok(function)
+    }
+
+    /// Returns the maximum number of nodes between two operations. That of
+    /// [`Kernel::with_limits`] can be lower than that of the store.
+    fn capacity(&self) -> u64 {
+        let capacity = self.shared.capacity;
+        self.limits
+            .max_nodes
+            .map_or(capacity, |most| most.min(capacity))
     }
 
     /// Returns the conjunction of the bits, which is how the store represents a set of bits.

@@ -29,7 +29,15 @@ const FIRST_SLOTS: usize = 1 << 12;
 pub const MAX_NODES: u64 = 1 << 30;
 
 /// Number of results computed between two checks of the deadline; they take about a millisecond.
-const CHECK_INTERVAL: u32 = 1 << 15;
+const CHECK_INTERVAL: u64 = 1 << 15;
+
+/// Units of work per created node. A node of this kernel is looked up in a common table and moved
+/// when the order changes, and so takes about this many times as long as a node that is owned by a
+/// single function.
+const WORK_PER_NODE: u64 = 10;
+
+/// Units of work per result that is not in the cache.
+const WORK_PER_RESULT: u64 = 1;
 
 /// A decision node. Its high edge is not negated.
 #[derive(Debug, Clone, Copy)]
@@ -46,6 +54,8 @@ pub enum Stop {
     Full,
     /// The deadline has passed, or the command was interrupted.
     Late(StopReason),
+    /// More nodes were created than allowed.
+    Work,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -80,11 +90,16 @@ pub struct Store {
     /// Level of each bit.
     levels: Vec<u32>,
     order: Order,
-    /// Deadline of the current operation, and results to compute until it is checked again.
-    deadline: Deadline,
-    until_check: u32,
     /// Number of nodes created so far.
     created: u64,
+    /// Number of results computed so far.
+    computed: u64,
+    /// Value of `computed` from which the limits are checked again.
+    next_check: u64,
+    /// Deadline of the current operation.
+    deadline: Deadline,
+    /// Work from which on the current operation ends; see [`Self::work`].
+    max_work: u64,
 }
 
 impl Store {
@@ -111,9 +126,11 @@ impl Store {
             bits: Vec::new(),
             levels: Vec::new(),
             order: order.clone(),
-            deadline: Deadline::NONE,
-            until_check: CHECK_INTERVAL,
             created: 0,
+            computed: 0,
+            next_check: CHECK_INTERVAL,
+            deadline: Deadline::NONE,
+            max_work: u64::MAX,
         };
         store.set_order(order);
         store
@@ -147,13 +164,20 @@ impl Store {
     }
 
     /// Number of nodes created so far.
+    #[cfg(test)]
     pub fn created(&self) -> u64 {
         self.created
     }
 
-    /// Sets the deadline of the next operations.
-    pub fn set_deadline(&mut self, deadline: Deadline) {
+    /// Units of work of all operations so far.
+    pub fn work(&self) -> u64 {
+        WORK_PER_NODE * self.created + WORK_PER_RESULT * self.computed
+    }
+
+    /// Sets the deadline of the next operations, and the work from which on they end.
+    pub fn set_limits(&mut self, deadline: Deadline, max_work: u64) {
         self.deadline = deadline;
+        self.max_work = max_work;
     }
 
     pub fn level(&self, link: Link) -> u32 {
@@ -272,12 +296,15 @@ impl Store {
         result
     }
 
-    /// Counts a result that has to be computed; checks the deadline from time to time.
+    /// Counts a result that has to be computed; checks the limits from time to time.
     pub(super) fn tick(&mut self) -> Result<(), Stop> {
-        self.until_check -= 1;
-        if self.until_check == 0 {
-            self.until_check = CHECK_INTERVAL;
+        self.computed += 1;
+        if self.computed >= self.next_check {
+            self.next_check = self.computed + CHECK_INTERVAL;
             self.deadline.check().map_err(Stop::Late)?;
+            if self.work() > self.max_work {
+                return Err(Stop::Work);
+            }
         }
         Ok(())
     }

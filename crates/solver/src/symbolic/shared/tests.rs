@@ -168,3 +168,27 @@ fn a_full_store_is_collected_and_the_operation_repeated() {
     }
     assert!(m.state().store.created() > 3 * m.shared.capacity);
 }
+
+/// A single operation that is too large ends at the work limit, not after it.
+#[test]
+fn the_work_limit_ends_an_operation() {
+    let m = SharedStore::new(&Order::natural(36), &Limits::default()).unwrap();
+    // Pairs of distant bits: 2^9 nodes each, but the conjunction has 2^18.
+    let equal = |from: u16| {
+        (from..from + 9).fold(m.constant(true), |all, i| {
+            let (a, b) = (Bit(2 * i), Bit(2 * (18 + i)));
+            let same = m.iff(&m.literal(a, true), &m.literal(b, true)).unwrap();
+            m.and(&all, &same).unwrap()
+        })
+    };
+    let (f, g) = (equal(0), equal(9));
+    let allowed = m.work() + 1_000_000;
+    let limited = m.with_limits(&Limits {
+        max_work: Some(allowed),
+        ..Limits::default()
+    });
+    assert_eq!(limited.and(&f, &g), Err(Limit::Work(allowed)));
+    assert!(m.work() < 2 * allowed, "{} units", m.work());
+    assert!(m.and(&f, &g).is_ok());
+    assert!(m.work() > 2 * allowed, "{} units", m.work());
+}
