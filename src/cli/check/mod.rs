@@ -42,7 +42,7 @@ pub const DOCUMENT: Described = Described::new(
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
     linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
-    linewright check examples/other-tools/arbiter.spc examples/other-tools/arbiter.slugsin
+    linewright check --verdict-only examples/other-tools/arbiter.spc
 
     $ linewright check --watch contracts/
 
@@ -51,8 +51,9 @@ assumptions (strict semantics, step by step). The controller is synthesized and 
 not written; for a large contract that no machine uses, only the verdict is given. Results for \
 unchanged contracts are read from the cache (see --no-cache).
 
-Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are recognized by their extension; check reports the verdict, the reason if it is unrealizable, and \
-suspicious assumptions.")]
+Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are \
+recognized by their extension; check reports the verdict, the reason if it is unrealizable, and \
+suspicious formulas.")]
 pub struct Arguments {
     /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders with .lw files
     /// [default: ./contracts, or else the bundled library]
@@ -70,6 +71,15 @@ pub struct Arguments {
 docs/proof.md). Exactly one contract must be given"
     )]
     pub proof: Option<PathBuf>,
+    /// Only decide whether contracts are realizable: no reasons, findings or controllers
+    #[arg(
+        long,
+        conflicts_with = "proof",
+        long_help = "Only decide whether each contract is realizable, which is all that other synthesis tools do by \
+default: no reason if it is not, no findings about suspicious formulas, and no controller. \
+Machines and lines are still proved"
+    )]
+    pub verdict_only: bool,
     /// Check again whenever a file has changed, until Ctrl-C
     #[arg(
         long,
@@ -122,6 +132,13 @@ fn check(
             ..ExtractionOptions::default()
         })
         .with_ranking(arguments.proof.is_some());
+    let goal = |goal| {
+        if arguments.verdict_only {
+            Goal::Answer
+        } else {
+            goal
+        }
+    };
     let library = &loaded.library;
     let contracts: Vec<(&Contract, usize)> = library
         .contracts
@@ -131,10 +148,10 @@ fn check(
         .map(|c| match loaded.foreign(c.span.file) {
             Some(foreign) => {
                 let reading = &foreign.reading;
-                let job = jobs.add_foreign(&c.specification, c.span, Goal::Verdict, reading);
+                let job = jobs.add_foreign(&c.specification, c.span, goal(Goal::Verdict), reading);
                 (c, job)
             }
-            None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),
+            None => (c, jobs.add_for(goal(Goal::Small), &c.specification, c.span)),
         })
         .collect();
     let machines: Vec<MachinePlan<'_>> = library

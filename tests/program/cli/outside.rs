@@ -55,6 +55,71 @@ fn check_has_the_promised_exit_codes_and_verdicts() {
     }
 }
 
+/// Neither a reason nor a finding about a realizable contract, in each format.
+#[test]
+fn a_verdict_can_be_all_that_is_given() {
+    let idle =
+        "contract Idle { input a: bool output b: bool guarantee g: always eventually not b }";
+    let folder = folder(&[("lost.lw", UNREALIZABLE), ("idle.lw", idle)]);
+    let files = ["check", "lost.lw", "idle.lw", "--format", "json"];
+    let (code, out, _) = run(folder.path(), &files);
+    let whole: Value = serde_json::from_str(&out).expect("a document");
+    assert_eq!(code, 1);
+    assert_eq!(
+        whole["contracts"][0]["core"].as_array().map(Vec::len),
+        Some(2)
+    );
+    assert!(out.contains("LW219"), "{out}");
+
+    let (code, out, _) = run(folder.path(), &[&files[..], &["--verdict-only"]].concat());
+    let quick: Value = serde_json::from_str(&out).expect("a document");
+    assert_eq!(code, 1);
+    for contract in [0, 1] {
+        let verdict = |document: &Value| document["contracts"][contract]["verdict"].clone();
+        assert_eq!(verdict(&quick), verdict(&whole));
+    }
+    assert_eq!(
+        quick["contracts"][0]["core"].as_array().map(Vec::len),
+        Some(0)
+    );
+    assert!(out.contains("LW203"), "{out}");
+    assert!(!out.contains("play") && !out.contains("LW219"), "{out}");
+}
+
+/// Formulas that demand less than they seem to are also found in other tools' files; suggestions
+/// are in the notation of the file.
+#[test]
+fn weak_formulas_of_other_tools_are_found() {
+    let spectra = "spec Feeder
+        env boolean part;
+        env boolean request;
+        sys boolean gate;
+        sys {HERE, THERE} place;
+        asm alwEv part;
+        asm keeps: alw request & !gate -> next(request);
+        gar only_parts: alw gate -> part;
+        gar moves: alw part -> next(place) = THERE;
+        gar idle: alw (part & !part) -> gate;
+        gar begins: place = HERE;
+    ";
+    let folder = folder(&[("feeder.spectra", spectra)]);
+    let (code, out, _) = run(folder.path(), &["check", "feeder.spectra"]);
+    assert_eq!(code, 0, "{out}");
+    for text in [
+        "warning[LW212]: the machine cannot break `idle`",
+        "add `gar completes: GF (!request | gate);`",
+        "warning[LW216]: in some situations nothing restricts the next value of `place`",
+        "let it keep its value: `gar frame: G (!part -> next(place) = place);`",
+    ] {
+        assert!(out.contains(text), "{text}\n{out}");
+    }
+    let (_, out, _) = run(folder.path(), &["import", "feeder.spectra"]);
+    std::fs::write(folder.path().join("feeder.lw"), out).expect("a file");
+    let (_, out, _) = run(folder.path(), &["check", "feeder.lw"]);
+    let text = "let it keep its value: `guarantee frame: always (not part -> next place = place)`";
+    assert!(out.contains(text), "{out}");
+}
+
 #[test]
 fn the_first_of_2_3_1_wins_over_several_files() {
     let folder = folder(&[("1.lw", UNREALIZABLE), ("2.lw", SYNTAX), ("3.lw", GOOD)]);

@@ -238,7 +238,7 @@ fn weakening(s: &Specification, format: Option<Format>, weaker: &Weakening) -> S
 
 /// Writes a formula as a statement for the file: in the notation of `format` if that can express
 /// the formula, otherwise in the notation of contracts.
-fn statement(
+pub(super) fn statement(
     s: &Specification,
     format: Option<Format>,
     side: Owner,

@@ -1,10 +1,14 @@
 //! Findings about formulas of a realizable contract that demand less than they seem to: LW212 to
 //! LW219.
 
+use super::lost::statement;
 use super::shown;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::text::{operand, text};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Specification, Time, VarId};
+use linewright_core::gr1::text::text;
+use linewright_core::gr1::{
+    BinaryOp, Expr, Formula, FormulaKind, Owner, Side, Specification, Time, VarId,
+};
+use linewright_interchange::Format;
 use linewright_solver::game::{GuaranteeRef, WeaknessFindings, negation};
 
 /// Whether a formula of `idle` is reported. Several formulas can come from the same text, such as a
@@ -20,8 +24,13 @@ fn is_reported(side: &Side, at: GuaranteeRef, idle: &[GuaranteeRef]) -> bool {
     first == Some(&at) && siblings.iter().all(|sibling| idle.contains(sibling))
 }
 
-/// Returns the findings.
-pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<Diagnostic> {
+/// Returns the findings. If a `format` is given, suggestions are in the notation of that tool
+/// wherever it can express them.
+pub fn findings(
+    specification: &Specification,
+    format: Option<Format>,
+    found: &WeaknessFindings,
+) -> Vec<Diagnostic> {
     let s = specification;
     let mut findings = Vec::new();
     let formula = |g: &GuaranteeRef| -> &Formula { g.formula(&s.guarantees) };
@@ -137,17 +146,14 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
                 Some(values) => format!("one such situation is {values}"),
                 None => "this is the case in every situation that can occur".to_owned(),
             })
-            .with_help(frame(s, unframed.variable)),
+            .with_help(frame(s, format, unframed.variable)),
         );
     }
     for request in &found.requests {
         let (name, span) = variable(request.output);
         let up = text(s, &request.request);
-        let completes = format!(
-            "guarantee completes: always eventually ({} or {})",
-            operand(s, &negation(request.request.clone())),
-            operand(s, &request.done)
-        );
+        let answered = negation(request.request.clone()).or(request.done.clone());
+        let completes = guarantee(s, format, "completes", FormulaKind::Justice, &answered);
         let mut finding = if request.enforceable {
             Diagnostic::warning(
                 codes::REQUEST_OPEN,
@@ -181,29 +187,38 @@ pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<
                 span,
                 format!("a machine that never changes an output keeps `{}`", s.name),
             )
-            .with_help(
-                "require what the machine is for, with your own conditions for `requested` and `done`: `guarantee completes: always eventually (not requested or done)`",
-            ),
+            .with_help(match format {
+                None => "require what the machine is for, with your own conditions for `requested` and `done`: `guarantee completes: always eventually (not requested or done)`",
+                Some(_) => "require what the machine is for, as a guarantee that holds again and again",
+            }),
         );
     }
     findings
 }
 
+/// Writes a guarantee as a statement for the file.
+fn guarantee(
+    s: &Specification,
+    format: Option<Format>,
+    label: &str,
+    kind: FormulaKind,
+    expr: &Expr,
+) -> String {
+    statement(s, format, Owner::System, Some(label), kind, expr)
+}
+
 /// Suggests a guarantee by which an output keeps its value. The exceptions are the conditions under
 /// which the existing guarantees set the output.
-fn frame(s: &Specification, v: VarId) -> String {
-    let name = &s.variable(v).name;
-    let mut conditions: Vec<String> = Vec::new();
+fn frame(s: &Specification, format: Option<Format>, v: VarId) -> String {
+    let mut conditions: Vec<&Expr> = Vec::new();
     for formula in &s.guarantees.safety {
         for part in formula.expr.conjuncts() {
             if let Expr::Binary(BinaryOp::Implies, before, after) = part
                 && sets(after, v)
                 && !before.mentions_next()
+                && !conditions.contains(&&**before)
             {
-                let text = operand(s, before);
-                if !conditions.contains(&text) {
-                    conditions.push(text);
-                }
+                conditions.push(before);
             }
         }
     }
@@ -214,20 +229,23 @@ fn frame(s: &Specification, v: VarId) -> String {
             .for_each_var(&mut |w, _| found |= s.is_auxiliary(w));
         found
     };
+    let keeps = Expr::Var(v, Time::Next).equals(Expr::Var(v, Time::Now));
     let mut setting = s.guarantees.safety.iter().filter(|f| sets(&f.expr, v));
-    if conditions.is_empty() || setting.any(mentions_auxiliary) {
-        return format!(
-            "add a guarantee that states when it keeps its value: `next {name} = {name}`"
-        );
+    let moves = conditions.into_iter().cloned().reduce(Expr::or);
+    match moves {
+        Some(moves) if !setting.any(mentions_auxiliary) => {
+            let frame = Expr::not(moves).implies(keeps);
+            format!(
+                "let it keep its value: `{}`",
+                guarantee(s, format, "frame", FormulaKind::Safety, &frame)
+            )
+        }
+        _ if format.is_none() => format!(
+            "add a guarantee that states when it keeps its value: `{}`",
+            text(s, &keeps)
+        ),
+        _ => "add a guarantee that states when it keeps its value".to_owned(),
     }
-    let moves = conditions.join(" or ");
-    let moves = match conditions.as_slice() {
-        [_] => moves,
-        _ => format!("({moves})"),
-    };
-    format!(
-        "let it keep its value: `guarantee frame: always (not {moves} -> next {name} = {name})`"
-    )
 }
 
 /// Whether the next value of a variable occurs in a formula.

@@ -72,8 +72,7 @@ impl Analysis {
     pub(super) fn reports_shape(&self, job: &Job) -> bool {
         let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
         let is_vacuous = self.environment.as_ref().is_some_and(empty);
-        // The findings suggest lines in Linewright's own language.
-        job.goal >= Goal::Small && job.format.is_none() && !is_vacuous
+        job.goal >= Goal::Verdict && !is_vacuous
     }
 
     /// Converts the results to findings.
@@ -101,7 +100,7 @@ impl Analysis {
                 findings.extend(environment::findings(examined, job.span, found));
             }
             if let Some(found) = self.shape.as_ref().filter(|_| reports_shape) {
-                findings.extend(shape::findings(specification, found));
+                findings.extend(shape::findings(specification, job.format, found));
             }
         } else {
             let formulas = self.core.iter().flatten();
