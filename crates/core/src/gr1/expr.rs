@@ -164,6 +164,23 @@ impl Expr {
         found
     }
 
+    /// Returns expressions whose conjunction is equivalent to this one: its conjuncts, where an
+    /// implication of a conjunction becomes one implication for each part of that conjunction:
+    /// `a -> b and c` becomes `a -> b` and `a -> c`.
+    pub fn parts(&self) -> Vec<Self> {
+        let mut found = Vec::new();
+        for conjunct in self.conjuncts() {
+            match conjunct {
+                Self::Binary(BinaryOp::Implies, a, b) => {
+                    let parts = b.parts().into_iter();
+                    found.extend(parts.map(|part| (**a).clone().implies(part)));
+                }
+                _ => found.push(conjunct.clone()),
+            }
+        }
+        found
+    }
+
     /// Returns whether the expression reads a next value.
     pub fn mentions_next(&self) -> bool {
         let mut found = false;
@@ -240,5 +257,26 @@ impl Expr {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_implication_of_a_conjunction_has_parts() {
+        let var = |v| Expr::Var(VarId(v), Time::Now);
+        let [a, b, c, d] = [0, 1, 2, 3].map(var);
+        let nested = a
+            .clone()
+            .implies(b.clone().implies(c.clone().and(d.clone())));
+        let both = nested.and(a.clone().or(b.clone()));
+        let parts = [
+            a.clone().implies(b.clone().implies(c)),
+            a.clone().implies(b.clone().implies(d)),
+            a.or(b),
+        ];
+        assert_eq!(both.parts(), parts);
     }
 }

@@ -5,7 +5,7 @@
 //! a core does not encode them again. The variable order is found by [`super::structure`] and by
 //! the kernel's sifting.
 
-use super::clusters::Clustering;
+use super::clusters::{Clustering, conjunction};
 use super::heuristics::{Heuristic, Heuristics};
 use super::reference::{AssumptionRef, GuaranteeRef};
 use super::relation::Relation;
@@ -92,6 +92,9 @@ pub fn oriented_order(
     }
 }
 
+/// Number of nodes up to which a conjunct of a safety formula is not divided further.
+const PART_NODES: usize = 1_000;
+
 impl<K: Kernel> Encoded<K> {
     /// Returns references to all formulas, in order.
     fn all(&self) -> Vec<GuaranteeRef> {
@@ -168,11 +171,21 @@ impl<K: Kernel> Formulas<K> {
                     domains = kernel.and(&domains, &within)?;
                 }
             }
+            // A conjunct that is too large as a whole stays in its parts.
             let conjuncts = |formula: &Formula| -> Result<Vec<K::Function>, Limit> {
-                let parts = formula.expr.conjuncts().into_iter();
-                parts
-                    .map(|p| answers(owner, p, Time::Next, part(p)?))
-                    .collect()
+                let mut found = Vec::new();
+                for conjunct in formula.expr.conjuncts() {
+                    let parts: Vec<K::Function> = conjunct
+                        .parts()
+                        .iter()
+                        .map(|p| answers(owner, p, Time::Next, part(p)?))
+                        .collect::<Result<_, _>>()?;
+                    match conjunction(&kernel, &parts, PART_NODES)? {
+                        Some(whole) => found.push(whole),
+                        None => found.extend(parts),
+                    }
+                }
+                Ok(found)
             };
             let of_states = |formulas: &[Formula]| -> Result<Vec<K::Function>, Limit> {
                 let encoded = formulas.iter().zip(list(formulas)?);

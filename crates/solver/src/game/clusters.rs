@@ -98,7 +98,7 @@ fn join_neighbors<K: Kernel>(
 }
 
 /// Returns the conjunction, or `None` if it or an intermediate result has more than `bound` nodes.
-fn conjunction<K: Kernel>(
+pub fn conjunction<K: Kernel>(
     kernel: &K,
     pieces: &[K::Function],
     bound: usize,

@@ -636,8 +636,8 @@ fn safety<K: Kernel>(
     let m = &arena.kernel;
     let mut parts = Vec::new();
     let formulas = specification.guarantees.safety.iter();
-    for part in formulas.flat_map(|f| f.expr.conjuncts()) {
-        let function = arena.encoding.formula(m, part)?;
+    for part in formulas.flat_map(|f| f.expr.parts()) {
+        let function = arena.encoding.formula(m, &part)?;
         let function = match arena.timing {
             Timing::Mealy => function,
             Timing::Moore => arena.for_all_inputs(&function)?,

@@ -23,6 +23,7 @@
 
 use crate::symbolic::{Bit, Encoding, MAX_PAIRS, Order};
 use linewright_core::gr1::{BinaryOp, Expr, Owner, Side, Specification, Time, VarId};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of rounds; spans hardly shrink after the first few.
 const MAX_ROUNDS: usize = 30;
@@ -34,8 +35,8 @@ pub const MANY_PAIRS: usize = 48;
 /// Which of an order and its reverse is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Orientation {
-    /// The one that is better for most games: indices above the arrays from which they select, or
-    /// else, with more than [`MANY_PAIRS`], outputs nearer to the top.
+    /// The one that is better for most games: indices above the arrays from which they select (by
+    /// choices or by cases), or else, with more than [`MANY_PAIRS`], outputs nearer to the top.
     Preferred,
     /// The reverse of [`Self::Preferred`].
     Reversed,
@@ -111,7 +112,9 @@ fn is_upside_down(specification: &Specification, order: &[usize], pairs: usize) 
     let sides = [&specification.assumptions, &specification.guarantees];
     let mut votes = 0;
     for formula in sides.into_iter().flat_map(Side::all) {
-        for (index, elements) in selections(specification, &formula.expr) {
+        let mut found = selections(specification, &formula.expr);
+        found.extend(cases(specification, &formula.expr));
+        for (index, elements) in found {
             votes += compared(&[index], &elements);
         }
     }
@@ -133,7 +136,7 @@ fn selections(specification: &Specification, formula: &Expr) -> Vec<(usize, Vec<
         let (mut indices, mut elements) = (Vec::new(), Vec::new());
         let mut last = expr;
         while let Expr::If(c, a, b) = last {
-            indices.push(index(c));
+            indices.push(case(c).map(|(index, _)| index));
             elements.extend(variables(a));
             left.extend([&**c, &**a]);
             last = b;
@@ -157,12 +160,45 @@ fn selections(specification: &Specification, formula: &Expr) -> Vec<(usize, Vec<
     found
 }
 
-/// Returns the variable that a condition compares with a constant.
-fn index(condition: &Expr) -> Option<usize> {
+/// Like [`selections`], for implications: `index = 0 -> ...` about one element, `index = 1 -> ...`
+/// about another, and so on.
+fn cases(specification: &Specification, formula: &Expr) -> Vec<(usize, Vec<usize>)> {
+    // For each index, the cases in which each element is mentioned.
+    let mut indices: BTreeMap<usize, BTreeMap<usize, BTreeSet<i64>>> = BTreeMap::new();
+    for part in formula.parts() {
+        let mut conditions = Vec::new();
+        let mut rest = &part;
+        while let Expr::Binary(BinaryOp::Implies, before, after) = rest {
+            conditions.extend(before.conjuncts());
+            rest = after;
+        }
+        let elements = variables(rest);
+        for (index, value) in conditions.into_iter().filter_map(case) {
+            let cases = indices.entry(index).or_default();
+            for v in elements.iter().filter(|v| **v != index) {
+                if specification.variables[*v].domain.size() > 2 {
+                    cases.entry(*v).or_default().insert(value);
+                }
+            }
+        }
+    }
+    let mut found = Vec::new();
+    for (index, elements) in indices {
+        let own = elements.into_iter().filter(|(_, cases)| cases.len() == 1);
+        let own: Vec<usize> = own.map(|(v, _)| v).collect();
+        if own.len() > 1 {
+            found.push((index, own));
+        }
+    }
+    found
+}
+
+/// Returns the variable that a condition compares with a constant, and the constant.
+fn case(condition: &Expr) -> Option<(usize, i64)> {
     match condition {
         Expr::Binary(BinaryOp::Eq, a, b) => match (&**a, &**b) {
-            (Expr::Var(v, _), Expr::Const(_)) | (Expr::Const(_), Expr::Var(v, _)) => {
-                Some(v.index())
+            (Expr::Var(v, _), Expr::Const(c)) | (Expr::Const(c), Expr::Var(v, _)) => {
+                Some((v.index(), *c))
             }
             _ => None,
         },
@@ -329,24 +365,41 @@ mod tests {
         }
     }
 
-    #[test]
-    fn an_index_is_above_its_array() {
+    /// An index that is mentioned last, or first, and an expression about its array.
+    fn an_index_is_above_its_array(select: impl Fn(u32, &[u32]) -> Expr) {
         use Owner::{Environment, System};
-        // The index is mentioned last, or first.
         for index in [4, 0] {
             let elements: Vec<u32> = (0..5).filter(|v| *v != index).collect();
-            let selected = (0..4).rfold(var(elements[3]), |rest, i| {
-                let chosen = equal(var(index), Expr::Const(i as i64));
-                Expr::If(Box::new(chosen), Box::new(var(elements[i])), Box::new(rest))
-            });
             let neighbours = elements.windows(2).map(|w| equal(var(w[0]), var(w[1])));
             let mut formulas: Vec<Expr> = neighbours.collect();
-            formulas.push(equal(selected, Expr::Const(2)));
+            formulas.push(select(index, &elements));
             let mut owners = vec![System; 5];
             owners[index as usize] = Environment;
             let order = ordered(&specification(&owners, formulas), Orientation::Preferred);
             let place = order.iter().position(|v| u32::from(*v) == index);
             assert!(place <= Some(2), "{order:?}");
         }
+    }
+
+    #[test]
+    fn an_index_of_choices_is_above_its_array() {
+        an_index_is_above_its_array(|index, elements| {
+            let selected = (0..4).rfold(var(elements[3]), |rest, i| {
+                let chosen = equal(var(index), Expr::Const(i as i64));
+                Expr::If(Box::new(chosen), Box::new(var(elements[i])), Box::new(rest))
+            });
+            equal(selected, Expr::Const(2))
+        });
+    }
+
+    #[test]
+    fn an_index_of_cases_is_above_its_array() {
+        an_index_is_above_its_array(|index, elements| {
+            let case = |i: usize| {
+                let chosen = equal(var(index), Expr::Const(i as i64));
+                chosen.implies(equal(var(elements[i]), Expr::Const(2)))
+            };
+            (1..4).fold(case(0), |all, i| all.and(case(i)))
+        });
     }
 }

@@ -3,13 +3,14 @@
 //!
 //! An operation locks the store ([`store::Store`]) and works on plain numbers, so nothing is
 //! counted, locked or released for a single node. A [`Function`] refers to its root: an entry of a
-//! table that collections read and reordering updates. Three rules follow:
+//! table that collections read and reordering updates. These rules follow:
 //!
 //! - Garbage is collected only between operations: at a safe point, when the store has grown to
 //!   three times its size after the last collection, or after an operation that found no room,
 //!   which is then repeated.
 //! - Functions are ordered by the sifter on plain data ([`super::sift`]), whose result replaces the
-//!   whole store.
+//!   whole store. This happens at a safe point, or within an operation that takes long, which is
+//!   then repeated.
 //! - Node counts, collections and orders depend only on the operations, not on time, addresses or
 //!   other threads. So limits on nodes and work give the same answer every time.
 
@@ -60,6 +61,13 @@ const REORDER_NODES: u64 = 18_000;
 /// Maximum number of nodes that sifting at a safe point may touch per node created since the last
 /// sifting, so that sifting takes a bounded share of all work.
 const SIFT_WORK_PER_NODE: u64 = 60;
+
+/// Work since the last safe point from which on an operation is interrupted for reordering, at
+/// first; see [`State::patience`]. In a bad order, a single operation can exceed any memory.
+const FIRST_PATIENCE: u64 = 20_000_000;
+
+/// Minimum of that work per live node.
+const PATIENCE_PER_NODE: u64 = 100;
 
 /// Units of work per operation.
 const WORK_PER_OPERATION: u64 = 10;
@@ -146,8 +154,12 @@ struct State {
     busiest: u64,
     /// Value of `busiest` at the last sifting.
     busiest_at_sifting: u64,
-    /// Whether safe points may change the order.
+    /// Whether the order may change.
     reordering: bool,
+    /// Work of the store until the last safe point or reordering.
+    work_before: u64,
+    /// Minimum work since then from which on an operation is interrupted for reordering.
+    patience: u64,
 }
 
 impl State {
@@ -165,6 +177,8 @@ impl State {
             busiest: 0,
             busiest_at_sifting: 0,
             reordering: true,
+            work_before: 0,
+            patience: FIRST_PATIENCE,
         }
     }
 
@@ -218,8 +232,30 @@ impl State {
         }
         self.collected = self.nodes();
         self.before = self.collected;
+        self.work_before = self.store.work();
         self.made = 0;
         self.busiest_at_sifting = std::mem::take(&mut self.busiest);
+    }
+
+    /// Returns the work of the store from which on an operation is interrupted for reordering.
+    fn patience(&self) -> u64 {
+        if self.reordering {
+            let live = self.collected.saturating_mul(PATIENCE_PER_NODE);
+            self.work_before + self.patience.max(live)
+        } else {
+            u64::MAX
+        }
+    }
+
+    /// Reorders within an operation, before it is repeated. The next interruption comes after twice
+    /// as much work, or four times as much if no better order was found.
+    fn relieve(&mut self, capacity: u64, limits: &Limits) {
+        let made = (self.store.work() - self.work_before) / WORK_PER_OPERATION;
+        let before = self.store.order().clone();
+        let work = made.saturating_mul(SIFT_WORK_PER_NODE);
+        self.sift_within(work as usize, capacity, limits);
+        let is_better = *self.store.order() != before;
+        self.patience *= if is_better { 2 } else { 4 };
     }
 
     /// Sifts a copy of the live nodes; if that is worthwhile, it replaces the store.
@@ -282,23 +318,28 @@ impl SharedStore {
         self.limits.check_work(state.work())?;
         let capacity = self.capacity();
         let max_work = self.limits.max_work.unwrap_or(u64::MAX);
-        let before = WORK_PER_OPERATION * state.operations;
-        state
-            .store
-            .set_limits(self.limits.deadline, max_work.saturating_sub(before));
-        let mut result = operation(&mut state.store);
-        if result == Err(Stop::Full) {
-            state.collect();
-            if state.nodes() > capacity / 10 * 9 {
-                return Err(Limit::Memory);
+        let function = loop {
+            let left = max_work.saturating_sub(WORK_PER_OPERATION * state.operations);
+            let patience = state.patience();
+            state.store.set_limits(self.limits.deadline, left, patience);
+            let mut result = operation(&mut state.store);
+            if result == Err(Stop::Full) {
+                state.collect();
+                if state.nodes() > capacity / 10 * 9 {
+                    return Err(Limit::Memory);
+                }
+                result = operation(&mut state.store);
             }
-            result = operation(&mut state.store);
-        }
-        let function = match result {
-            Ok(link) => state.function(link),
-            Err(Stop::Full) => return Err(Limit::Memory),
-            Err(Stop::Late(reason)) => return Err(Limit::Stopped(reason)),
-            Err(Stop::Work) => return Err(Limit::Work(max_work)),
+            break match result {
+                Ok(link) => state.function(link),
+                Err(Stop::Full) => return Err(Limit::Memory),
+                Err(Stop::Late(reason)) => return Err(Limit::Stopped(reason)),
+                Err(Stop::Work) => return Err(Limit::Work(max_work)),
+                Err(Stop::Tedious) => {
+                    state.relieve(self.shared.capacity, &self.limits);
+                    continue;
+                }
+            };
         };
         state.operations += 1;
         if state.nodes() > capacity {
@@ -532,6 +573,7 @@ impl Kernel for SharedStore {
         let nodes = state.nodes();
         let made = nodes.saturating_sub(state.before);
         state.before = nodes;
+        state.work_before = state.store.work();
         state.busiest = state.busiest.max(made);
         state.made += made;
         if state.reordering && state.busiest > REORDER_NODES.max(2 * state.busiest_at_sifting) {

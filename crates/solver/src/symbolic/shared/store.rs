@@ -54,8 +54,10 @@ pub enum Stop {
     Full,
     /// The deadline has passed, or the command was interrupted.
     Late(StopReason),
-    /// More nodes were created than allowed.
+    /// More work was done than allowed.
     Work,
+    /// The operation takes long; another order may be worthwhile.
+    Tedious,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -100,6 +102,8 @@ pub struct Store {
     deadline: Deadline,
     /// Work from which on the current operation ends; see [`Self::work`].
     max_work: u64,
+    /// Work from which on the current operation is interrupted for reordering.
+    patience: u64,
 }
 
 impl Store {
@@ -131,6 +135,7 @@ impl Store {
             next_check: CHECK_INTERVAL,
             deadline: Deadline::NONE,
             max_work: u64::MAX,
+            patience: u64::MAX,
         };
         store.set_order(order);
         store
@@ -174,10 +179,12 @@ impl Store {
         WORK_PER_NODE * self.created + WORK_PER_RESULT * self.computed
     }
 
-    /// Sets the deadline of the next operations, and the work from which on they end.
-    pub fn set_limits(&mut self, deadline: Deadline, max_work: u64) {
+    /// Sets the deadline of the next operations, the work from which on they end, and the work from
+    /// which on they are interrupted for reordering.
+    pub fn set_limits(&mut self, deadline: Deadline, max_work: u64, patience: u64) {
         self.deadline = deadline;
         self.max_work = max_work;
+        self.patience = patience;
     }
 
     pub fn level(&self, link: Link) -> u32 {
@@ -304,6 +311,9 @@ impl Store {
             self.deadline.check().map_err(Stop::Late)?;
             if self.work() > self.max_work {
                 return Err(Stop::Work);
+            }
+            if self.work() > self.patience {
+                return Err(Stop::Tedious);
             }
         }
         Ok(())

@@ -169,6 +169,31 @@ fn a_full_store_is_collected_and_the_operation_repeated() {
     assert!(m.state().store.created() > 3 * m.shared.capacity);
 }
 
+/// An operation that takes long in the present order is repeated in a better one.
+#[test]
+fn an_operation_is_interrupted_to_reorder() {
+    let equal = |m: &SharedStore, from: u16| {
+        (from..from + 8).fold(m.constant(true), |all, i| {
+            let (a, b) = (Bit(2 * i), Bit(2 * (16 + i)));
+            let same = m.iff(&m.literal(a, true), &m.literal(b, true)).unwrap();
+            m.and(&all, &same).unwrap()
+        })
+    };
+    let both = |reordering| {
+        let m = SharedStore::new(&Order::natural(32), &Limits::default()).unwrap();
+        let (f, g) = (equal(&m, 0), equal(&m, 8));
+        m.set_reordering(reordering);
+        m.state().patience = 100_000;
+        let both = m.and(&f, &g).unwrap();
+        (m.size(&both), m.export(&[&both]).shares())
+    };
+    let (size, share) = both(false);
+    let (reordered, same_share) = both(true);
+    assert!(size > 1 << 16, "{size} nodes");
+    assert!(reordered < 100, "{reordered} nodes");
+    assert_eq!(share, same_share);
+}
+
 /// A single operation that is too large ends at the work limit, not after it.
 #[test]
 fn the_work_limit_ends_an_operation() {
