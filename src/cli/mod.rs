@@ -124,7 +124,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         .stack_size(worker::STACK_BYTES)
         .build_global();
     let work = move |_: &dyn Fn(())| internal::caught(doing, || dispatch(&arguments));
-    let fault = match worker::run(hard_deadline, work) {
+    let fault = match worker::run(hard_deadline, work, |_| ()) {
         Completion::Done(Ok(Ok(code))) if interrupt::interrupted() => {
             return code.and(ExitCode::GaveUp);
         }

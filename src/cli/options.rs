@@ -200,6 +200,7 @@ impl GlobalOptions {
             } else {
                 Cache::of_user()
             },
+            announcer: None,
         }
     }
 

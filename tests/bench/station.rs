@@ -168,6 +168,7 @@ fn at_real_size() -> Vec<Controlled> {
         kernel: KernelChoice::default(),
         heuristics: Heuristics::default(),
         cache: None,
+        announcer: None,
     };
     let checked = jobs.run(&settings, &ProgressBar::hidden());
     let controlled = planned.iter().zip(&machines).map(|(plan, machine)| {

@@ -320,12 +320,16 @@ fn modules_use_only_those_before_them() {
 
 /// Files that may use clocks, and the reason why none of them determines a verdict, a finding or a
 /// table.
-const CLOCKS: [(&str, &str); 13] = [
+const CLOCKS: [(&str, &str); 14] = [
     ("crates/core/src/deadline.rs", "`--timeout`"),
     ("src/cli/options.rs", "when a command began"),
     ("crates/solver/src/game/set_up.rs", "seconds for `--stats`"),
     ("crates/solver/src/game/solver.rs", "seconds for `--stats`"),
     ("crates/engine/src/controller.rs", "seconds for `--stats`"),
+    (
+        "crates/engine/src/pipeline/announce.rs",
+        "announcements on standard error",
+    ),
     (
         "crates/engine/src/pipeline/task.rs",
         "seconds for the summary",

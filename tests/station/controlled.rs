@@ -27,6 +27,7 @@ pub fn controlled(
         kernel: KernelChoice::Automatic,
         heuristics: Heuristics::default(),
         cache: None,
+        announcer: None,
     };
     let checked = jobs.run(&settings, &indicatif::ProgressBar::hidden());
     let controlled = planned.controlled(&checked).expect("a controller each");

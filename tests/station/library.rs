@@ -155,6 +155,7 @@ fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
         kernel: KernelChoice::Automatic,
         heuristics: Heuristics::default(),
         cache: None,
+        announcer: None,
     };
     let hidden = indicatif::ProgressBar::hidden();
     let checked: Vec<CheckedContract> = jobs.run(&settings, &hidden);

@@ -31,10 +31,12 @@ pub enum Completion<P, R> {
 }
 
 /// Runs `work` on its own thread. `work` passes intermediate values to its argument; the last one
-/// is returned if the work is abandoned.
+/// is returned if the work is abandoned. While it runs, `waiting` is called several times a second
+/// with the last value.
 pub fn run<P, R>(
     deadline: Deadline,
     work: impl FnOnce(&dyn Fn(P)) -> R + Send + 'static,
+    mut waiting: impl FnMut(Option<&P>),
 ) -> Completion<P, R>
 where
     P: Send + 'static,
@@ -59,6 +61,7 @@ where
             Ok(Ok(result)) => return Completion::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
             Err(RecvTimeoutError::Timeout) => {
+                waiting(reported.as_ref());
                 if let Err(late) = last.check() {
                     return Completion::Abandoned(late, reported);
                 }
@@ -77,10 +80,11 @@ mod tests {
 
     #[test]
     fn work_that_ends_gives_its_result() {
-        let ended = run(Deadline::NONE, |report: &dyn Fn(u8)| {
+        let work = |report: &dyn Fn(u8)| {
             report(1);
             2
-        });
+        };
+        let ended = run(Deadline::NONE, work, |_| ());
         assert!(matches!(ended, Completion::Done(2)));
     }
 
@@ -88,11 +92,14 @@ mod tests {
     fn work_that_does_not_end_is_abandoned() {
         let begin = Instant::now();
         let deadline = Deadline::after(begin, Duration::from_millis(50));
-        let ended = run(deadline, |report: &dyn Fn(u8)| {
+        let work = |report: &dyn Fn(u8)| {
             report(1);
             report(2);
             std::thread::sleep(Duration::from_mins(1));
-        });
+        };
+        let mut last = None;
+        let ended = run(deadline, work, |reported| last = reported.copied());
+        assert_eq!(last, Some(2));
         assert!(matches!(
             ended,
             Completion::Abandoned(StopReason::Time, Some(2))
@@ -102,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_passed_on() {
-        let work = || run(Deadline::NONE, |_: &dyn Fn(u8)| panic!("broken"));
+        let work = || run(Deadline::NONE, |_: &dyn Fn(u8)| panic!("broken"), |_| ());
         let caught = internal::caught(|| "waiting".to_owned(), work);
         let finding = caught.unwrap_err().finding(None);
         assert!(

@@ -20,7 +20,7 @@ use crate::engine::controller::ExtractionOptions;
 use crate::engine::files::{self, LoadedFiles, StandardLibrary};
 use crate::engine::machines::{self, MachinePlan};
 use crate::engine::output;
-use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
+use crate::engine::pipeline::{Announcer, CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
@@ -53,7 +53,9 @@ unchanged contracts are read from the cache (see --no-cache).
 
 Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are \
 recognized by their extension; check reports the verdict, the reason if it is unrealizable, and \
-suspicious formulas.")]
+suspicious formulas.
+
+If an explanation takes more than a second, standard error says what is known so far.")]
 pub struct Arguments {
     /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders with .lw files
     /// [default: ./contracts, or else the bundled library]
@@ -162,7 +164,18 @@ fn check(
         .collect();
     let instances = line_instances(&files, library, &machines, &mut jobs);
     let progress = console.progress(jobs.len(), "checking");
-    let checked = jobs.run_with(memory, settings, &progress);
+    let announcer = (options.format == Format::Human).then(|| {
+        let bar = progress.clone();
+        Announcer::new(move |line| {
+            // If standard error is closed, the result is all that can be printed.
+            let _ = bar.suspend(|| console.remark(&format!("{line}\n")));
+        })
+    });
+    let announcing = Settings {
+        announcer,
+        ..settings.clone()
+    };
+    let checked = jobs.run_with(memory, &announcing, &progress);
 
     let report = Assembly {
         loaded: &loaded,

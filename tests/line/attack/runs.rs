@@ -71,6 +71,7 @@ impl World {
             kernel: KernelChoice::Automatic,
             heuristics: Heuristics::default(),
             cache: None,
+            announcer: None,
         };
         let checked = jobs.run(&settings, &indicatif::ProgressBar::hidden());
         let mut controllers = Vec::new();

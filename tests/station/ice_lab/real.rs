@@ -53,6 +53,7 @@ fn the_line_at_real_size_runs() {
         kernel: KernelChoice::Automatic,
         heuristics: Heuristics::default(),
         cache: Some(Cache::in_folder(&cache)),
+        announcer: None,
     };
     // Everything from the pipeline was verified, or certified.
     let checked = jobs.run(&settings, &indicatif::ProgressBar::hidden());

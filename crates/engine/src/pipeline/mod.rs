@@ -5,11 +5,13 @@
 //! of earlier solves come from the [cache](super::cache); findings are generated from them again. A
 //! task collects the results for a contract, which are then converted to findings.
 
+mod announce;
 mod explain;
 mod known;
 mod memory;
 mod task;
 
+pub use announce::Announcer;
 pub use explain::Explanation;
 pub use memory::Memory;
 
@@ -132,6 +134,8 @@ pub struct Settings {
     pub heuristics: Heuristics,
     /// Cache of solved contracts, if one is used.
     pub cache: Option<Cache>,
+    /// Where to announce what is known of an unrealizable contract whose explanation takes long.
+    pub announcer: Option<Announcer>,
 }
 
 impl Default for Settings {
@@ -142,6 +146,7 @@ impl Default for Settings {
             kernel: KernelChoice::Automatic,
             heuristics: Heuristics::default(),
             cache: None,
+            announcer: None,
         }
     }
 }

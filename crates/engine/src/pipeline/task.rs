@@ -1,5 +1,6 @@
 //! Runs the pipeline for one contract: takes the result from the cache, or solves the contract.
 
+use super::announce::Announcements;
 use super::explain::explain;
 use super::known::{Analysis, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Settings};
@@ -35,7 +36,10 @@ impl Task {
         let checked = if let Some(late) = deadline.check().err() {
             gave_up(&job, late.into(), &solve)
         } else {
-            match worker::run(deadline, move |report| self.check(report)) {
+            let announcer = self.settings.announcer.clone();
+            let mut announcements = Announcements::new(announcer.as_ref(), &job.specification);
+            let waiting = |reported: Option<&Analysis>| announcements.update(&solve, reported);
+            match worker::run(deadline, move |report| self.check(report), waiting) {
                 Completion::Done(Err(error)) => return Err(error),
                 Completion::Done(Ok(Ok(known))) => known.into_contract(&job, examine),
                 Completion::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
