@@ -27,13 +27,21 @@ pub fn line(row: &Row) -> String {
     let one = |f: &Figures| format!("{} in {:.2} s", f.verdict.word(), f.seconds);
     let theirs = row.theirs.as_ref().map(one);
     let theirs = theirs.map_or(String::new(), |t| format!("; peer: {t}"));
-    format!("{}: {}{theirs}", row.name, one(&row.ours))
+    let (ours, whole) = (one(&row.ours), row.whole.seconds);
+    format!("{}: {ours} (whole check {whole:.2} s){theirs}", row.name)
 }
 
 /// The table of one format, with the tool of this name.
 pub fn print(rows: &[Row], peer: Option<&str>, limit: Duration) {
     let mut table: Vec<Vec<String>> = Vec::new();
-    let mut head = vec!["file", "verdict", "linewright", "peak"];
+    let mut head = vec![
+        "file",
+        "verdict",
+        "linewright",
+        "peak",
+        "whole check",
+        "peak",
+    ];
     if let Some(peer) = peer {
         head.extend([peer, "peak", "times our time", "times our memory"]);
     }
@@ -46,6 +54,7 @@ pub fn print(rows: &[Row], peer: Option<&str>, limit: Duration) {
         };
         let mut cells = vec![row.name.clone(), verdict.to_owned()];
         cells.extend(figures(&row.ours, limit));
+        cells.extend(figures(&row.whole, limit));
         if let Some(theirs) = &row.theirs {
             cells.extend(figures(theirs, limit));
             cells.extend(ratios(&row.ours, theirs));
