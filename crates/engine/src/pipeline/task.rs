@@ -247,7 +247,7 @@ impl Task {
         report(known.clone());
         if self.examines(large) {
             let budget = Budget {
-                work: Budget::EXAMINATION.work + solved_work,
+                work: Budget::EXAMINATION.work + solved_work / 4,
                 ..Budget::EXAMINATION
             };
             let environment = within("examining its plant", || match &self.job.own {

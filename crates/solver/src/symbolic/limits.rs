@@ -103,7 +103,7 @@ impl Budget {
         nodes: 500_000,
     };
     /// For examining the assumptions of a realizable contract, and for examining its formulas. Each
-    /// may also take as much work as the verdict did.
+    /// may take a quarter of the verdict's work in addition.
     pub const EXAMINATION: Self = Self {
         work: 2_000_000,
         nodes: 400_000,
