@@ -34,34 +34,17 @@ pub fn all() -> Vec<Instance> {
     let mut add = |name: &str, text: Box<dyn Fn() -> String>| {
         found.push((name.to_owned(), "spectra", text));
     };
-    add(
-        "arm-sum-16",
-        Box::new(|| robot_arm(5, 16, Task::Sum, false)),
-    );
-    add(
-        "arm-sum-32",
-        Box::new(|| robot_arm(5, 32, Task::Sum, false)),
-    );
-    add(
-        "arm-product-12",
-        Box::new(|| robot_arm(5, 12, Task::Product, false)),
-    );
-    add(
-        "arm-product-16",
-        Box::new(|| robot_arm(5, 16, Task::Product, false)),
-    );
-    add(
-        "arm-index-16",
-        Box::new(|| robot_arm(5, 16, Task::Index, false)),
-    );
-    add(
-        "arm-obstacle-8",
-        Box::new(|| robot_arm(5, 8, Task::Obstacle, false)),
-    );
-    add(
-        "arm-sum-12-jammed",
-        Box::new(|| robot_arm(5, 12, Task::Sum, true)),
-    );
+    for (name, values, task, jammed) in [
+        ("arm-sum-16", 16, Task::Sum, false),
+        ("arm-sum-32", 32, Task::Sum, false),
+        ("arm-product-12", 12, Task::Product, false),
+        ("arm-product-16", 16, Task::Product, false),
+        ("arm-index-16", 16, Task::Index, false),
+        ("arm-obstacle-8", 8, Task::Obstacle, false),
+        ("arm-sum-12-jammed", 12, Task::Sum, true),
+    ] {
+        add(name, Box::new(move || robot_arm(5, values, task, jammed)));
+    }
     add("elevator-4-1-19", Box::new(|| elevator(4, 1, Some(19))));
     add("elevator-4-2-10", Box::new(|| elevator(4, 2, Some(10))));
     add("elevator-5-1-26", Box::new(|| elevator(5, 1, Some(26))));

@@ -55,7 +55,7 @@ fn check_has_the_promised_exit_codes_and_verdicts() {
     }
 }
 
-/// Neither a reason nor a finding about a realizable contract, in each format.
+/// With `--verdict-only`, there is neither a reason nor a finding about weak formulas.
 #[test]
 fn a_verdict_can_be_all_that_is_given() {
     let idle =

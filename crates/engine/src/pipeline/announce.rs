@@ -98,15 +98,8 @@ impl<'a> Announcements<'a> {
                 format!("`{name}` is unrealizable; looking for the guarantees that clash")
             }
             Stage::Play => {
-                let core = reported.and_then(|known| known.core.as_ref());
-                let mut clashing: Vec<String> = Vec::new();
-                for guarantee in core.into_iter().flatten() {
-                    let guarantee = guarantee.formula(&self.specification.guarantees);
-                    let name = format!("`{}`", guarantee.name);
-                    if !guarantee.defines && !clashing.contains(&name) {
-                        clashing.push(name);
-                    }
-                }
+                let names = reported.map_or_else(Vec::new, |k| k.core_names(self.specification));
+                let clashing: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
                 let verb = match clashing.len() {
                     1 => "cannot be kept",
                     _ => "clash",

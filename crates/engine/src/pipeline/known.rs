@@ -75,6 +75,19 @@ impl Analysis {
         job.goal >= Goal::Verdict && !is_vacuous
     }
 
+    /// Names of the core's guarantees, except definitions, each once.
+    pub(super) fn core_names(&self, specification: &Specification) -> Vec<String> {
+        let mut names = Vec::new();
+        let formulas = self.core.iter().flatten();
+        let formulas = formulas.map(|r| r.formula(&specification.guarantees));
+        for formula in formulas.filter(|f| !f.defines) {
+            if !names.contains(&formula.name) {
+                names.push(formula.name.clone());
+            }
+        }
+        names
+    }
+
     /// Converts the results to findings.
     pub(super) fn into_contract(self, job: &Job, examine: bool) -> CheckedContract {
         let specification = &*job.specification;
@@ -103,13 +116,7 @@ impl Analysis {
                 findings.extend(shape::findings(specification, job.format, found));
             }
         } else {
-            let formulas = self.core.iter().flatten();
-            let formulas = formulas.map(|r| r.formula(&specification.guarantees));
-            for formula in formulas.filter(|f| !f.defines) {
-                if !core.contains(&formula.name) {
-                    core.push(formula.name.clone());
-                }
-            }
+            core = self.core_names(specification);
             let explanation = self.explanation.as_deref();
             let shown = lost::finding(specification, job.format, job.span, &core, explanation);
             findings.push(shown);
