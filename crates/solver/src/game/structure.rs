@@ -345,10 +345,10 @@ mod tests {
 
     /// A specification over variables with these owners and with the values 0 to 3.
     fn specification(owners: &[Owner], formulas: Vec<Expr>) -> Specification {
-        specification_over(Domain::Range { low: 0, high: 3 }, owners, formulas)
+        specification_over(&Domain::Range { low: 0, high: 3 }, owners, formulas)
     }
 
-    fn specification_over(domain: Domain, owners: &[Owner], formulas: Vec<Expr>) -> Specification {
+    fn specification_over(domain: &Domain, owners: &[Owner], formulas: Vec<Expr>) -> Specification {
         let variable = |(i, owner): (usize, &Owner)| Variable {
             name: format!("v{i}"),
             owner: *owner,
@@ -451,7 +451,7 @@ mod tests {
 
     /// Whether the bits 0 and 3, about which there is a formula with every element, are at the bottom
     /// of the order, next to each other.
-    fn are_index_bits_at_the_bottom(domain: Domain) -> bool {
+    fn are_index_bits_at_the_bottom(domain: &Domain) -> bool {
         let elements = [1, 2, 4, 5];
         let formulas = elements.map(|i| equal(var(0), var(3)).implies(var(i)));
         let neighbours = elements.windows(2).map(|w| equal(var(w[0]), var(w[1])));
@@ -472,8 +472,8 @@ mod tests {
 
     #[test]
     fn bits_of_an_index_are_at_the_bottom() {
-        assert!(are_index_bits_at_the_bottom(Domain::Bool));
-        assert!(!are_index_bits_at_the_bottom(Domain::Range {
+        assert!(are_index_bits_at_the_bottom(&Domain::Bool));
+        assert!(!are_index_bits_at_the_bottom(&Domain::Range {
             low: 0,
             high: 3
         }));
