@@ -4,6 +4,7 @@ use linewright_core::gr1::{
     Expr, Formula, FormulaKind, Side, Specification, Time, Timing, VarId, Variable,
 };
 use linewright_solver::game::Rule;
+use serde::{Deserialize, Serialize};
 
 /// Components over one set of variables. Components are wired by the names of their ports: ports
 /// with the same name are one variable.
@@ -34,7 +35,7 @@ pub struct Component {
 }
 
 /// The two halves of a contract.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum ContractSide {
     /// Formulas that the component assumes.
     Assumptions,
@@ -43,7 +44,7 @@ pub enum ContractSide {
 }
 
 /// Reference to one formula of a system.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct FormulaRef {
     /// Index of the component; `None` for a given or a goal formula of a [`super::proof::Claim`].
     pub component: Option<usize>,

@@ -1,11 +1,12 @@
 //! Deadlines and cancellation: `--timeout` and Ctrl-C. Each command creates one deadline and passes
 //! it down. Elapsed time affects the result of a command only through its deadline.
 
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Reason why work was stopped before it was complete.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 pub enum StopReason {
     /// The deadline has passed.
     #[error("the time limit was reached")]

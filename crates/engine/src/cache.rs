@@ -1,8 +1,9 @@
-//! Cache of solved contracts: an unchanged contract is not solved again.
+//! Cache of solved contracts and of proofs: an unchanged contract is not solved again, and an
+//! unchanged machine or line is not proved again.
 //!
-//! There are two kinds of files. An *entry* is stored under a hash of everything that determines a
-//! result: the specification without its source positions, the solver options, and the program
-//! itself. A *version* is stored under a contract's name. It records the winning region and the
+//! There are three kinds of files. An *entry* is stored under a hash of everything that determines
+//! the result of a contract: the specification without its source positions, the solver options,
+//! and the program itself. A *proof* is stored likewise, under a hash of the claim. A *version* is stored under a contract's name. It records the winning region and the
 //! final variable order of the contract's last large game; both are used once the contract has
 //! changed.
 //!
@@ -14,12 +15,11 @@ use super::controller::ExtractionOptions;
 use super::pipeline::Explanation;
 use super::statistics::Statistics;
 use linewright_core::gr1::{Expr, Formula, Specification, Variable};
-use linewright_language::contract::machine::Machine;
 use linewright_solver::game::{
     BudgetFactor, Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic,
-    KernelChoice, Order, WeaknessFindings,
+    KernelChoice, Limits, Order, WeaknessFindings,
 };
-use linewright_solver::mealy::{self, Controller, functions::Functions};
+use linewright_solver::mealy::{self, functions::Functions};
 use linewright_solver::symbolic::Bit;
 use linewright_station::disk;
 use serde::de::DeserializeOwned;
@@ -162,10 +162,20 @@ impl Key {
         Self(feed.finish())
     }
 
-    /// Computes the key of a machine with its controllers.
-    pub fn of_machine(machine: &Machine, controllers: &[&Controller]) -> Self {
-        let mut feed = Feed::new("machine");
-        let _ = write!(feed, "{machine:?}\n{controllers:?}");
+    /// Computes the key of a claim to be proved within these limits. `kind` tells apart questions
+    /// about the same claim.
+    pub fn of_proof(kind: &str, claim: &impl fmt::Debug, limits: &Limits) -> Self {
+        let Limits {
+            deadline: _,
+            memory_mib,
+            max_nodes,
+            max_created,
+            max_work,
+            budget_factor,
+        } = limits;
+        let limits = (memory_mib, max_nodes, max_created, max_work, budget_factor);
+        let mut feed = Feed::new("proof");
+        let _ = write!(feed, "{kind}\n{claim:?}\n{limits:?}");
         Self(feed.finish())
     }
 }
@@ -403,14 +413,14 @@ impl Cache {
         self.write(&format!("entry-{}", key.0), entry);
     }
 
-    /// Whether the cache records that a machine has no findings.
-    pub fn is_sound(&self, key: &Key) -> bool {
-        self.read(&format!("entry-{}", key.0)) == Some(true)
+    /// Reads the answer to a question about a claim, if it is stored.
+    pub fn answer<T: DeserializeOwned>(&self, key: &Key) -> Option<T> {
+        self.read(&format!("proof-{}", key.0))
     }
 
-    /// Records that a machine has no findings.
-    pub fn store_sound(&self, key: &Key) {
-        self.write(&format!("entry-{}", key.0), &true);
+    /// Stores the answer to a question about a claim.
+    pub fn store_answer<T: Serialize>(&self, key: &Key, answer: &T) {
+        self.write(&format!("proof-{}", key.0), answer);
     }
 
     /// Reads the last version of the contract with this specification's name.
@@ -478,7 +488,7 @@ fn tidy(folder: &Path, max: u64) -> std::io::Result<()> {
         let file = file?;
         let name = file.file_name();
         let name = name.to_string_lossy();
-        if ["entry-", "version-", ".new-"]
+        if ["entry-", "proof-", "version-", ".new-"]
             .iter()
             .any(|p| name.starts_with(p))
         {

@@ -2,18 +2,18 @@
 //! is called from outside leaves the order of its skills to the caller, so the line has to keep
 //! this order.
 
-use super::closed;
+use super::prover::Prover;
 use crate::controlled::ControlledMachine;
 use linewright_algebra::caller::{CalledMachine, OperationRequest};
 use linewright_algebra::closed::ClosedComposition;
-use linewright_algebra::proof::{Open, Refutation, decide};
+use linewright_algebra::proof::{Open, Refutation};
 use linewright_algebra::replay;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Node, NodeKind};
 use linewright_language::contract::machine::Machine;
 use linewright_line::UndecidedReason;
 use linewright_line::calls::in_turn;
-use linewright_solver::game::{Limit, Limits};
+use linewright_solver::game::Limit;
 use linewright_station::messages;
 use std::collections::BTreeSet;
 
@@ -32,7 +32,7 @@ pub fn examine<'a>(
     line: &Line,
     wanted: impl Fn(usize) -> bool,
     controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
-    limits: &Limits,
+    prover: Prover<'_>,
 ) -> CallCheck {
     let mut result = CallCheck::default();
     let nodes = line.nodes.iter().enumerate();
@@ -55,7 +55,7 @@ pub fn examine<'a>(
         let Some(called) = CalledMachine::of(machine, &sequences) else {
             continue;
         };
-        match open_assumptions(&called, controlled(machine), limits) {
+        match open_assumptions(&called, controlled(machine), prover) {
             Ok(open) => {
                 let is_unsure = |o: &Open| called.uncertain_assumptions.contains(&o.what);
                 let (unsure, open): (Vec<Open>, Vec<Open>) = open.into_iter().partition(is_unsure);
@@ -81,13 +81,14 @@ pub fn examine<'a>(
 fn open_assumptions(
     called: &CalledMachine,
     controlled: Option<ControlledMachine<'_>>,
-    limits: &Limits,
+    prover: Prover<'_>,
 ) -> Result<Vec<Open>, Limit> {
     let about_calls = |mut open: Vec<Open>| {
         open.retain(|o| called.operation_assumptions.contains(&o.what));
         open
     };
-    let proof = decide(&called.system, &called.claim, limits)
+    let proof = prover
+        .decide(&called.system, &called.claim)
         .map(|proof| (proof.loops.is_empty(), about_calls(proof.open)));
     if matches!(&proof, Ok((true, open)) if open.is_empty()) {
         return Ok(Vec::new());
@@ -95,7 +96,7 @@ fn open_assumptions(
     if let Some(controlled) = controlled {
         let closed =
             ClosedComposition::of_called(controlled.machine, &controlled.controllers, called);
-        if let Ok(verdict) = closed.decide(&closed::bounded(limits))
+        if let Ok(verdict) = prover.decide_closed(&closed)
             // Once a component is stuck, later calls are not examined.
             && verdict.stuck.is_empty()
             && called.operation_assumptions.iter().all(|at| !verdict.undecided.contains(at))

@@ -15,14 +15,9 @@ use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::gr1::{VarId, eval};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, Operation, Role};
-use linewright_solver::game::{Budget, Limit, Limits};
+use linewright_solver::game::{Limit, Limits};
 use linewright_station::messages;
 use std::collections::BTreeSet;
-
-/// Returns `limits` with the budget of a closed composition.
-pub fn bounded(limits: &Limits) -> Limits {
-    limits.with_budget(Budget::CLOSED_COMPOSITION)
-}
 
 /// Finding for an obligation that the closed composition does not meet.
 pub fn open(closed: &ClosedComposition<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {

@@ -7,13 +7,13 @@
 //! the cell, and those of its own inner machines that refine a contract are represented likewise.
 
 use crate::closed::undecided;
+use crate::prover::Prover;
 use crate::words::ProofPrinter;
 use linewright_algebra::machine::of_refined_contract;
-use linewright_algebra::proof::{Claim, prove_stepwise};
+use linewright_algebra::proof::Claim;
 use linewright_algebra::system::System;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::machine::{InnerMachine, Machine, RefinedContract};
-use linewright_solver::game::Limits;
 
 /// Systems and claims that were proved before: two machines of the same kind are proved once.
 type ProvedSystems = Vec<(System, Claim)>;
@@ -22,12 +22,12 @@ type ProvedSystems = Vec<(System, Claim)>;
 /// reported at the inner machine.
 pub(super) fn prove_refinements(
     machine: &Machine,
-    limits: &Limits,
+    prover: Prover<'_>,
     findings: &mut Vec<Diagnostic>,
 ) {
     let mut known = ProvedSystems::new();
     for inner in &machine.layers.inner {
-        prove_inner(machine, inner, limits, &mut known, findings);
+        prove_inner(machine, inner, prover, &mut known, findings);
     }
 }
 
@@ -35,14 +35,14 @@ pub(super) fn prove_refinements(
 fn prove_inner(
     machine: &Machine,
     inner: &InnerMachine,
-    limits: &Limits,
+    prover: Prover<'_>,
     known: &mut ProvedSystems,
     findings: &mut Vec<Diagnostic>,
 ) {
     for deeper in &inner.machine.layers.inner {
         // Findings about deeper layers are shown where the outer machine declares its inner one.
         let mut found = Vec::new();
-        prove_inner(machine, deeper, limits, known, &mut found);
+        prove_inner(machine, deeper, prover, known, &mut found);
         findings.extend(found.into_iter().map(|mut f| {
             f.span = Some(inner.span);
             f
@@ -55,7 +55,7 @@ fn prove_inner(
     if known.iter().any(|(s, c)| *s == system && *c == claim) {
         return;
     }
-    match prove_stepwise(&system, &claim, limits) {
+    match prover.prove_stepwise(&system, &claim) {
         Ok(proof) if proof.holds() => {}
         Ok(proof) => {
             let printer = ProofPrinter {

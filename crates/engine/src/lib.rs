@@ -29,6 +29,7 @@ pub mod output;
 pub mod pipeline;
 pub mod play;
 pub mod project;
+pub mod prover;
 pub mod simulation;
 pub mod statistics;
 pub mod synthesis;

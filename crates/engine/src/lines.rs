@@ -2,16 +2,16 @@
 
 use super::call_check;
 use super::internal;
+use super::prover::Prover;
 use super::words::{DischargeEntry, ProofPrinter, discharge_entry};
 use crate::controlled::ControlledMachine;
-use linewright_algebra::proof::prove;
 use linewright_algebra::system::FormulaRef;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::gr1::FormulaKind;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
 use linewright_line::UndecidedReason;
-use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
+use linewright_line::abstraction::{Abstraction, Verdict, findings};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
 use linewright_solver::game::{Budget, Limit, Limits};
 use schemars::JsonSchema;
@@ -65,7 +65,7 @@ pub struct Proof {
 pub fn examine<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
-    limits: &Limits,
+    prover: Prover<'_>,
     with_table: bool,
 ) -> Proof {
     // The calls are examined first, because a station works on parts only if it answers every call.
@@ -73,7 +73,8 @@ pub fn examine<'a>(
         calls,
         problems,
         remarks,
-    } = follow(line, &controlled, limits);
+    } = follow(line, &controlled, prover.limits());
+    let prover = prover.with_budget(Budget::LINE);
     let reduced = calls.simplified(line);
     let moving = if calls.findings.is_empty() {
         &reduced
@@ -82,8 +83,8 @@ pub fn examine<'a>(
     };
     // If not all calls could be tried, contracts can still show that no call violates an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
-    let asked = call_check::examine(line, unknown, &controlled, &bounded(limits));
-    let mut proof = examine_moves(moving, &bounded(limits), with_table);
+    let asked = call_check::examine(line, unknown, &controlled, prover);
+    let mut proof = examine_moves(moving, prover, with_table);
     if problems.is_empty() && asked.findings.is_empty() {
         if matches!(proof.verdict, LineVerdict::Proved | LineVerdict::Safe) {
             proof.premises = premises(line, &calls);
@@ -233,12 +234,12 @@ fn bounded(limits: &Limits) -> Limits {
 }
 
 /// Examines whether parts keep moving, provided that each operation completes.
-fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
+fn examine_moves(line: &Line, prover: Prover<'_>, with_table: bool) -> Proof {
     let table = |abstraction: &Abstraction, verdict: &Verdict| {
         if !with_table {
             return (Vec::new(), None);
         }
-        match table(line, abstraction, verdict, limits) {
+        match table(line, abstraction, verdict, prover) {
             Ok(rows) => (rows, None),
             Err(limit) => {
                 let message = format!(
@@ -252,7 +253,7 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
             }
         }
     };
-    let (abstraction, verdict) = match abstraction::examine(line, limits, MAX_VARIABLES) {
+    let (abstraction, verdict) = match prover.examine_line(line, MAX_VARIABLES) {
         Ok(decided) => decided,
         Err(why) => {
             let what = format!("whether parts can deadlock in {}", line.name);
@@ -310,7 +311,7 @@ fn table(
     line: &Line,
     abstraction: &Abstraction,
     verdict: &Verdict,
-    limits: &Limits,
+    prover: Prover<'_>,
 ) -> Result<Vec<DischargeEntry>, Limit> {
     let whole = &abstraction.claim;
     let safe = |at: FormulaRef| at.kind != FormulaKind::Justice && !whole.lemmas.contains_key(&at);
@@ -319,7 +320,7 @@ fn table(
     } else {
         whole.only(safe)
     };
-    let proof = prove(&abstraction.system, &claim, limits)?;
+    let proof = prover.prove(&abstraction.system, &claim)?;
     let printer = ProofPrinter {
         system: &abstraction.system,
         claim: &claim,

@@ -2,22 +2,23 @@
 //! its own guarantees, and it refines the contracts named in its declaration.
 
 use super::layers;
-use crate::closed::{self, bounded, undecided};
+use crate::closed::{self, undecided};
 use crate::controlled::{self, ControlledMachine};
 use crate::found;
 use crate::internal::within;
+use crate::prover::Prover;
 use crate::words::{
     DischargeEntry, DischargeRuleName, KEPT_BY_LINE, ProofPrinter, discharge_entry,
 };
 use linewright_algebra::closed::{ClosedComposition, DischargeMethod, Form, Verdict};
 use linewright_algebra::machine::{COMPLETES, of_machine, of_refined_contract};
-use linewright_algebra::proof::{Claim, Cycle, Proof, prove_stepwise};
+use linewright_algebra::proof::{Claim, Cycle, Proof};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::gr1::FormulaKind;
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, RefinedContract};
-use linewright_solver::game::{Budget, Limit, Limits};
+use linewright_solver::game::{Budget, Limit};
 use linewright_station::composition::{Composition, Discharger};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -112,21 +113,21 @@ pub struct RefinesEntry {
 pub fn prove_machine(
     controlled: &ControlledMachine<'_>,
     context: MachineContext,
-    limits: &Limits,
+    prover: Prover<'_>,
 ) -> MachineProof {
-    let limits = &limits.with_budget(Budget::MACHINE);
+    let prover = prover.with_budget(Budget::MACHINE);
     let mut result = MachineProof::default();
     // An inner machine is represented by the contracts that it refines. First, it is proved that
     // the machine keeps them.
     within("proving its inner machines", || {
-        layers::prove_refinements(controlled.machine, limits, &mut result.findings);
+        layers::prove_refinements(controlled.machine, prover, &mut result.findings);
     });
     let unspecified = layers::note_on_unspecified(controlled.machine);
     let machine = controlled.machine.abstraction();
     let (system, claim) = of_machine(machine);
     let closed = ClosedComposition::of_machine(controlled.machine, &controlled.controllers);
     let decided = within("putting its controllers together", || {
-        closed.decide(&bounded(limits))
+        prover.decide_closed(&closed)
     });
     result.closed = Some(closed_entry(&closed, &decided));
     // If the composition is too large, only the coordinator's states are explored; all other
@@ -147,7 +148,7 @@ pub fn prove_machine(
         verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
         walked: &walked,
     };
-    match prove_stepwise(&system, &claim, limits) {
+    match prover.prove_stepwise(&system, &claim) {
         Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
         Err(limit) => {
             // This finding also covers whatever the controllers leave undecided.
@@ -191,7 +192,7 @@ pub fn prove_machine(
             controlled,
             refined_contract,
             flat,
-            limits,
+            prover,
             &mut result.findings,
         );
         result.refines.push(refined);
@@ -433,7 +434,7 @@ fn refines(
     controlled: &ControlledMachine<'_>,
     refined_contract: &RefinedContract,
     flat: &RefinedContract,
-    limits: &Limits,
+    prover: Prover<'_>,
     findings: &mut Vec<Diagnostic>,
 ) -> RefinesEntry {
     let machine = controlled.machine.abstraction();
@@ -449,7 +450,7 @@ fn refines(
         closed: None,
         discharges: Vec::new(),
     };
-    match prove_stepwise(&system, &claim, limits) {
+    match prover.prove_stepwise(&system, &claim) {
         Ok(proof) if proof.holds() => {
             let entries = proof.discharges.iter();
             refined.discharges = entries.map(|d| discharge_entry(printer, d)).collect();
@@ -460,7 +461,7 @@ fn refines(
                 &controlled.controllers,
                 flat,
             );
-            let decided = closed.decide(&bounded(limits));
+            let decided = prover.decide_closed(&closed);
             refined.closed = Some(closed_verdict(&decided));
             let both = CombinedProof {
                 printer,

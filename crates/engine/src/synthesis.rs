@@ -88,6 +88,6 @@ impl<'a> Synthesis<'a> {
         controlled: &ControlledMachine<'_>,
         settings: &Settings,
     ) -> Vec<Diagnostic> {
-        judgement::findings(controlled, &settings.limits, settings.cache.as_ref())
+        judgement::findings(controlled, settings.prover())
     }
 }

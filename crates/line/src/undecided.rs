@@ -1,10 +1,11 @@
 //! Why a question about a line has no answer.
 
 use linewright_solver::game::Limit;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Why something was not decided.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UndecidedReason {
     /// The reason, phrased to follow a colon.
     pub why: String,

@@ -11,7 +11,6 @@ use crate::cli::outline::{Declaration, Kind};
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json};
-use crate::engine::cache::Cache;
 use crate::engine::files::LoadedFiles;
 use crate::engine::findings::lost;
 use crate::engine::internal;
@@ -20,7 +19,7 @@ use crate::engine::lines;
 use crate::engine::machine::{self, MachineContext, MachineProof};
 use crate::engine::machines::{self, MachinePlan};
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
-use crate::game::Limits;
+use crate::engine::prover::Prover;
 use crate::gr1::{Specification, VarId};
 use crate::interchange::Format;
 use crate::source::Span;
@@ -38,10 +37,9 @@ pub(super) struct Assembly<'a> {
     pub(super) instances: &'a [(Span, MachinePlan<'a>)],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
-    pub(super) limits: Limits,
+    pub(super) prover: Prover<'a>,
     /// Progress over machines and lines, whose proofs take longest.
     pub(super) progress: &'a ProgressBar,
-    pub(super) cache: Option<&'a Cache>,
     /// Whether to compute the tables that take longer than the verdict.
     pub(super) verbose: bool,
     pub(super) timing: bool,
@@ -265,7 +263,7 @@ impl Assembly<'_> {
         let sound = !file.broken && !has_errors(findings);
         let mut known = self.loaded.library.skills.iter();
         let skills = known.find(|s| sound && declaration.holds(s.span));
-        let until = self.limits.deadline;
+        let until = self.prover.limits().deadline;
         let examined = skills.map(|s| judgement::skills(s, until));
         let verdict = match &examined {
             Some(examined) if is_failed(examined) => SkillsVerdict::InternalError,
@@ -318,7 +316,7 @@ impl Assembly<'_> {
         let proof = line.map(|line| {
             let doing = || format!("proving the line `{}`", line.name);
             internal::caught(doing, || {
-                lines::examine(line, controlled, &self.limits, self.verbose)
+                lines::examine(line, controlled, self.prover, self.verbose)
             })
         });
         let verdict = proof.as_ref().and_then(|p| Some(p.as_ref().ok()?.verdict));
@@ -356,7 +354,7 @@ impl Assembly<'_> {
         let mut found = planned.findings(self.jobs, self.checked);
         found.retain(|f| f.severity == Severity::Error);
         if let Some(controlled) = planned.controlled(self.checked) {
-            found.extend(judgement::findings(&controlled, &self.limits, self.cache));
+            found.extend(judgement::findings(&controlled, self.prover));
         }
         found
     }
@@ -385,12 +383,11 @@ impl Assembly<'_> {
                     MachineContext::Alone
                 };
                 let proved =
-                    internal::caught(doing, || machine::prove_machine(&c, context, &self.limits));
+                    internal::caught(doing, || machine::prove_machine(&c, context, self.prover));
                 let proved = proved.unwrap_or_else(|fault| MachineProof {
                     findings: vec![fault.finding(Some(span))],
                     ..MachineProof::default()
                 });
-                judgement::remember(&proved.findings, &c, self.cache);
                 proved
             })
             .unwrap_or_default();

@@ -38,7 +38,7 @@ use linewright_language::contract::machine::{Machine, RefinedContract};
 use linewright_solver::game::{Lasso, Limit, Limits};
 use linewright_solver::mealy::Controller;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Representation of a component.
@@ -84,7 +84,7 @@ pub struct ClosedComposition<'a> {
 }
 
 /// How an obligation of a closed composition is met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum DischargeMethod {
     /// The obligation holds in every reachable state.
     Held,
@@ -94,7 +94,7 @@ pub enum DischargeMethod {
 }
 
 /// A component that has no answer although its assumptions are kept.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StuckComponent {
     /// Index of the component.
     pub component: usize,
@@ -108,7 +108,7 @@ pub struct StuckComponent {
 }
 
 /// An operation that does not run as declared.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OperationFailure {
     /// Index of the operation.
     pub operation: usize,
@@ -117,7 +117,7 @@ pub struct OperationFailure {
 }
 
 /// Failure of an operation.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FailureKind {
     /// No call can begin with the operation because of these assumptions. Either the operation
     /// could begin without any one of them, or they are all the assumptions that mention the
@@ -131,7 +131,7 @@ pub enum FailureKind {
 }
 
 /// Result of the decision.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Verdict {
     /// Obligations that are met: assumptions of components and formulas of the goal.
     pub met: Vec<(FormulaRef, DischargeMethod)>,

@@ -35,6 +35,7 @@ pub use book::{last_step, latest};
 use super::system::{ContractSide, FormulaRef, System};
 use linewright_core::gr1::{Formula, Side, VarId};
 use linewright_solver::game::{Lasso, Limit, Limits};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A claim about a system, to be proved.
@@ -113,7 +114,7 @@ pub enum Exports {
 }
 
 /// Proof of one obligation.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Discharge {
     /// Assumption, or formula of the goal.
     pub what: FormulaRef,
@@ -125,7 +126,7 @@ pub struct Discharge {
 }
 
 /// Rules of discharge, in the order in which they are tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum DischargeRule {
     /// The obligation follows from formulas that the environment keeps: givens and exported
     /// assumptions.
@@ -143,7 +144,7 @@ pub enum DischargeRule {
 }
 
 /// An obligation that is not met, with a counterexample.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Open {
     /// Assumption, or formula of the goal.
     pub what: FormulaRef,
@@ -152,7 +153,7 @@ pub struct Open {
 }
 
 /// A counterexample, over all variables of the system.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refutation {
     /// A finite run. Its last step breaks the obligation, although everything was kept in all
     /// earlier steps.
@@ -162,14 +163,14 @@ pub enum Refutation {
 }
 
 /// A loop of outputs that wait for one another within a step.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SameStepLoop {
     /// Variables of the loop: each depends on the next one, the last one on the first.
     pub variables: Vec<VarId>,
 }
 
 /// A cycle of justice assumptions that wait for one another.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cycle {
     /// Assumptions of the cycle. Each one is kept by the component that makes the next assumption,
     /// and only if that component's own assumption is kept; the last one waits for the first.
@@ -177,7 +178,7 @@ pub struct Cycle {
 }
 
 /// Result of a proof.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Proof {
     /// Obligations that are met, in the order of the components and their formulas; formulas of the
     /// goal come last.

@@ -18,6 +18,7 @@ pub use memory::Memory;
 use super::cache::Cache;
 use super::controller::ExtractionOptions;
 use super::internal::{self, Fault};
+use super::prover::Prover;
 use super::statistics::Statistics;
 use indicatif::ProgressBar;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -136,6 +137,13 @@ pub struct Settings {
     pub cache: Option<Cache>,
     /// Where to announce what is known of an unrealizable contract whose explanation takes long.
     pub announcer: Option<Announcer>,
+}
+
+impl Settings {
+    /// Returns a prover with these limits and this cache.
+    pub fn prover(&self) -> Prover<'_> {
+        Prover::new(&self.limits, self.cache.as_ref())
+    }
 }
 
 impl Default for Settings {

@@ -14,9 +14,10 @@ use linewright_core::gr1::{Expr, FormulaKind, Side};
 use linewright_core::source::Span;
 use linewright_language::contract::line::Line;
 use linewright_solver::game::{Limit, Limits, Rule, Runs, SafetyViolationQuery};
+use serde::{Deserialize, Serialize};
 
 /// Result of the decision.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Verdict {
     /// Goal formulas that do not hold, with counterexample runs. If safety is violated, justice is
     /// not examined.
@@ -30,6 +31,8 @@ pub struct Verdict {
     /// Whether the open goals were found with parts that can move late, and it was not decided
     /// whether they are also open if parts move at once.
     pub late: bool,
+    /// Whether the verdict is about [`Abstraction::at_once`] instead of [`Abstraction::of`].
+    pub at_once: bool,
 }
 
 impl Verdict {
@@ -85,9 +88,10 @@ pub fn examine(
     }
     if let Ok(strict) = Abstraction::at_once(line)
         && strict.system.variables.len() <= most_variables.min(MAX_AT_ONCE_VARIABLES)
-        && let Ok(verdict) = asked(&strict)
+        && let Ok(mut verdict) = asked(&strict)
         && (!verdict.holds() || has_a_run(&strict, limits).is_ok_and(|has| has))
     {
+        verdict.at_once = true;
         return Ok((strict, verdict));
     }
     verdict.late = true;

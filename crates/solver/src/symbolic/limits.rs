@@ -6,6 +6,7 @@
 //! test ensures that nothing else depends on a clock.
 
 use linewright_core::deadline::{Deadline, StopReason};
+use serde::{Deserialize, Serialize};
 
 /// Limits of one stage of a command.
 #[derive(Debug, Clone, Copy, Default)]
@@ -26,7 +27,7 @@ pub struct Limits {
 }
 
 /// Why a stage ended without a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 pub enum Limit {
     /// The deadline passed, or the command was interrupted.
     #[error(transparent)]

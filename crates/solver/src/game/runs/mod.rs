@@ -23,6 +23,7 @@ use linewright_core::gr1::{
 };
 use linewright_core::source::Span;
 use rule_encoder::RuleEncoder;
+use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
 /// A formula with its kind.
@@ -36,7 +37,7 @@ pub struct Rule {
 
 /// An infinite run: some steps, and a cycle that repeats for ever. A step has a value for every
 /// variable.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Lasso {
     /// The steps before the cycle.
     pub prefix: Vec<Vec<i64>>,
