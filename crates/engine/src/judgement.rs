@@ -24,7 +24,7 @@ pub fn findings(controlled: &ControlledMachine<'_>, prover: Prover<'_>) -> Vec<D
     let machine = controlled.machine;
     let doing = || format!("checking the machine `{}`", machine.name);
     internal::caught(doing, || {
-        machine::prove_machine(controlled, MachineContext::Alone, prover).findings
+        machine::prove_machine(controlled, MachineContext::Alone, prover, false).findings
     })
     .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))])
 }

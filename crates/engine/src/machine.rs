@@ -77,7 +77,7 @@ pub struct ClosedEntry {
     /// Verdict on the composition.
     pub verdict: ClosedVerdict,
     /// Number of reachable states: combinations of the values of all wires, the states of the
-    /// tables, and the progress of operations.
+    /// tables, and the progress of operations. Absent if it was not counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub states: Option<u64>,
     /// How each component is represented.
@@ -109,11 +109,13 @@ pub struct RefinesEntry {
 }
 
 /// Proves the obligations of a machine, both for all controllers that keep the contracts and for
-/// the actual controllers. The latter can meet obligations that no contract implies.
+/// the actual controllers. The latter can meet obligations that no contract implies. The states of
+/// the closed composition are counted only if `with_count` is set, since that takes longer.
 pub fn prove_machine(
     controlled: &ControlledMachine<'_>,
     context: MachineContext,
     prover: Prover<'_>,
+    with_count: bool,
 ) -> MachineProof {
     let prover = prover.with_budget(Budget::MACHINE);
     let mut result = MachineProof::default();
@@ -129,7 +131,11 @@ pub fn prove_machine(
     let decided = within("putting its controllers together", || {
         prover.decide_closed(&closed)
     });
-    result.closed = Some(closed_entry(&closed, &decided));
+    let states = (with_count && decided.is_ok()).then(|| prover.count_states(&closed));
+    result.closed = Some(ClosedEntry {
+        states: states.and_then(|counted| Some(count(counted.ok()?))),
+        ..closed_entry(&closed, &decided)
+    });
     // If the composition is too large, only the coordinator's states are explored; all other
     // components can do anything.
     let walked = match &decided {
@@ -394,12 +400,12 @@ fn members(proof: &Proof) -> Vec<FormulaRef> {
     cycles.flat_map(|c| c.assumptions.iter().copied()).collect()
 }
 
-/// The closed composition as an entry of the JSON document.
+/// The closed composition as an entry of the JSON document, without the number of states.
 fn closed_entry(closed: &ClosedComposition<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
     let components = closed.machine.components.iter().zip(&closed.participants);
     ClosedEntry {
         verdict: closed_verdict(decided),
-        states: decided.as_ref().ok().map(|v| count(v.states)),
+        states: None,
         components: components
             .map(|(component, taking)| TakenEntry {
                 name: component.name.clone(),

@@ -78,6 +78,15 @@ impl<'a> Prover<'a> {
         )
     }
 
+    /// See [`ClosedComposition::count_states`]; the budget is that of closed compositions.
+    pub fn count_states(&self, composition: &ClosedComposition<'_>) -> Result<f64, Limit> {
+        self.with_budget(Budget::CLOSED_COMPOSITION).recall(
+            "states of a closed composition",
+            composition,
+            |limits| composition.count_states(limits),
+        )
+    }
+
     /// See [`abstraction::examine`].
     pub fn examine_line(
         &self,

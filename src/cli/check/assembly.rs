@@ -42,6 +42,8 @@ pub(super) struct Assembly<'a> {
     pub(super) progress: &'a ProgressBar,
     /// Whether to compute the tables that take longer than the verdict.
     pub(super) verbose: bool,
+    /// Whether to count the states of closed compositions.
+    pub(super) counting: bool,
     pub(super) timing: bool,
     pub(super) statistics: bool,
 }
@@ -382,8 +384,9 @@ impl Assembly<'_> {
                 } else {
                     MachineContext::Alone
                 };
-                let proved =
-                    internal::caught(doing, || machine::prove_machine(&c, context, self.prover));
+                let proved = internal::caught(doing, || {
+                    machine::prove_machine(&c, context, self.prover, self.counting)
+                });
                 let proved = proved.unwrap_or_else(|fault| MachineProof {
                     findings: vec![fault.finding(Some(span))],
                     ..MachineProof::default()

@@ -188,6 +188,7 @@ fn check(
         prover: settings.prover(),
         progress: &console.progress(machines.len() + library.lines.len(), "proving"),
         verbose: options.verbose,
+        counting: options.format == Format::Json,
         timing: !options.no_timing,
         statistics: arguments.stats,
     }

@@ -31,15 +31,7 @@ fn bits(values: u64) -> u32 {
 pub(super) fn decide(closed: &ClosedComposition<'_>, limits: &Limits) -> Result<Verdict, Limit> {
     let mut book = RuleSet::new(closed);
     let no_error = book.no_error();
-    let bits = closed
-        .system
-        .variables
-        .iter()
-        .map(|v| bits(v.domain.size()));
-    if bits.sum::<u32>() > MAX_BITS {
-        return Err(Limit::Size);
-    }
-    let runs = Runs::new(&closed.system.variables, book.rules.clone(), limits)?;
+    let runs = runs(closed, &book, limits)?;
     let mut decider = ClosedDecider {
         closed,
         book,
@@ -51,8 +43,22 @@ pub(super) fn decide(closed: &ClosedComposition<'_>, limits: &Limits) -> Result<
     decider.justice()?;
     decider.goals()?;
     decider.operations()?;
-    decider.verdict.states = decider.runs.count_states(&decider.book.keep)?;
     Ok(decider.verdict)
+}
+
+/// Counts the reachable states of a closed composition.
+pub(super) fn count_states(closed: &ClosedComposition<'_>, limits: &Limits) -> Result<f64, Limit> {
+    let book = RuleSet::new(closed);
+    runs(closed, &book, limits)?.count_states(&book.keep)
+}
+
+fn runs(closed: &ClosedComposition<'_>, book: &RuleSet, limits: &Limits) -> Result<Runs, Limit> {
+    let variables = &closed.system.variables;
+    let bits = variables.iter().map(|v| bits(v.domain.size()));
+    if bits.sum::<u32>() > MAX_BITS {
+        return Err(Limit::Size);
+    }
+    Runs::new(variables, book.rules.clone(), limits)
 }
 
 struct ClosedDecider<'a> {

@@ -131,7 +131,7 @@ pub enum FailureKind {
 }
 
 /// Result of the decision.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Verdict {
     /// Obligations that are met: assumptions of components and formulas of the goal.
     pub met: Vec<(FormulaRef, DischargeMethod)>,
@@ -145,8 +145,6 @@ pub struct Verdict {
     pub operation_failures: Vec<OperationFailure>,
     /// Operations that were not decided because a component was represented by its contract.
     pub undecided_operations: Vec<usize>,
-    /// Number of reachable states: values of all wires and internal variables.
-    pub states: f64,
 }
 
 impl Verdict {
@@ -255,6 +253,16 @@ impl<'a> ClosedComposition<'a> {
     /// When a limit was reached, or the composition has too many bits.
     pub fn decide(&self, limits: &Limits) -> Result<Verdict, Limit> {
         decide::decide(self, limits)
+    }
+
+    /// Counts the reachable states without errors: values of all wires and internal variables. The
+    /// number is exact below 2⁵³. Counting can take far longer than [`Self::decide`], which rarely
+    /// needs to find all states.
+    ///
+    /// # Errors
+    /// When a limit was reached, or the composition has too many bits.
+    pub fn count_states(&self, limits: &Limits) -> Result<f64, Limit> {
+        decide::count_states(self, limits)
     }
 
     /// Returns the components in the order in which their inputs are read within a step.

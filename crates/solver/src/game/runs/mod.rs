@@ -12,6 +12,7 @@
 //!   keep a given set of rules and the step itself keeps another. This is the induction step of a
 //!   proof over time. Such a proof is sound even if components rely on each other in a cycle.
 
+mod aside;
 mod fair;
 mod path;
 mod rule_encoder;

@@ -1,5 +1,6 @@
 //! Encodes rules as functions of bits, and answers queries with them.
 
+use super::aside::{Allowance, BackwardSearch, excludes_cycle};
 use super::path::Path;
 use super::{Lasso, Rule, RunQuery, SafetyViolationQuery, fair, smallest};
 use crate::game::clusters::Clustering;
@@ -83,6 +84,21 @@ struct LassoSearch<K: Kernel> {
     again: Vec<K::Function>,
 }
 
+impl<K: Kernel> LassoSearch<K> {
+    /// Whether it is known that no run has the properties, even from unreachable states. Searches
+    /// for that if the allowance permits it.
+    fn excludes_cycle(&self, allowance: &mut Allowance) -> Result<bool, Limit> {
+        if self.reached.complete || !allowance.is_due() {
+            return Ok(false);
+        }
+        let excluded = excludes_cycle(&self.steps, &self.again, allowance)?;
+        if excluded == Some(false) {
+            allowance.end();
+        }
+        Ok(excluded == Some(true))
+    }
+}
+
 impl<K: Kernel> ReachableStates<K> {
     /// Computes the next ring; returns false if there are no new states.
     fn grow(&mut self) -> Result<bool, Limit> {
@@ -100,6 +116,49 @@ impl<K: Kernel> ReachableStates<K> {
         self.rings.push(new);
         self.steps.m.safe_point()?;
         Ok(true)
+    }
+
+    /// Like [`Self::grow`], with the work recorded in the allowance of a side search.
+    fn grow_with(&mut self, allowance: &mut Allowance) -> Result<bool, Limit> {
+        let before = self.steps.m.work();
+        let more = self.grow()?;
+        allowance.add(self.steps.m.work() - before);
+        Ok(more)
+    }
+
+    /// Returns the number of the first ring that contains states of `goal`, and these states;
+    /// `None` if no state of the goal is reachable.
+    fn find(&mut self, goal: &K::Function) -> Result<Option<(usize, K::Function)>, Limit> {
+        let m = self.steps.m.clone();
+        for (number, ring) in self.rings.iter().enumerate() {
+            let here = m.and(ring, goal)?;
+            if !m.is_false(&here) {
+                return Ok(Some((number, here)));
+            }
+        }
+        let mut backward = Some(BackwardSearch::new(goal));
+        let mut allowance = Allowance::new();
+        loop {
+            if let Some(search) = &mut backward
+                && allowance.is_due()
+                && !self.complete
+            {
+                match search.step(&self.steps, &mut allowance)? {
+                    Some(false) => return Ok(None),
+                    // A reachable state leads to the goal: only the exploration can tell how soon.
+                    Some(true) if search.meets(&m, &self.all)? => backward = None,
+                    Some(true) | None => {}
+                }
+                continue;
+            }
+            if !self.grow_with(&mut allowance)? {
+                return Ok(None);
+            }
+            let here = m.and(&self.rings[self.rings.len() - 1], goal)?;
+            if !m.is_false(&here) {
+                return Ok(Some((self.rings.len() - 1, here)));
+            }
+        }
     }
 }
 
@@ -133,6 +192,11 @@ impl<K: Kernel> Steps<K> {
         let mut parts = self.parts.clone();
         parts.push(steps.clone());
         self.with_parts(parts)
+    }
+
+    /// Returns the same relation on another handle of the same kernel.
+    pub fn on(&self, m: K) -> Self {
+        Self { m, ..self.clone() }
     }
 
     fn with_parts(&self, parts: Vec<K::Function>) -> Result<Self, Limit> {
@@ -351,8 +415,12 @@ impl<K: Kernel> RuleEncoder<K> {
         // Searches early, since runs are often found near the start.
         let mut next_search = FIRST_SEARCH;
         let mut fair = m.constant(false);
+        let mut allowance = Allowance::new();
         loop {
-            let more = search.reached.grow()?;
+            if search.excludes_cycle(&mut allowance)? {
+                break;
+            }
+            let more = search.reached.grow_with(&mut allowance)?;
             if search.reached.rings.len() == next_search {
                 next_search *= SEARCH_FACTOR;
                 fair = fair::fair(steps, &search.reached.all, again)?;
@@ -383,8 +451,12 @@ impl<K: Kernel> RuleEncoder<K> {
     pub fn lasso_exists(&mut self, rules: &[Rule], query: &RunQuery) -> Result<bool, Limit> {
         let mut search = self.lasso_search(rules, query)?;
         let mut past = self.m.constant(false);
+        let mut allowance = Allowance::new();
         loop {
-            let more = search.reached.grow()?;
+            if search.excludes_cycle(&mut allowance)? {
+                break;
+            }
+            let more = search.reached.grow_with(&mut allowance)?;
             if !more || search.reached.rings.len() == FIRST_SEARCH {
                 past = fair::past(&search.steps, &search.reached.all, &search.again)?;
             }
@@ -483,21 +555,13 @@ impl<K: Kernel> RuleEncoder<K> {
         reached: &mut ReachableStates<K>,
         broken: &K::Function,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        let mut ring = 0;
-        loop {
-            let here = self.m.and(&reached.rings[ring], broken)?;
-            if !self.m.is_false(&here) {
-                let smallest = smallest(&self.variables);
-                let run = self
-                    .path(variables, &smallest)
-                    .back_to_start(reached, ring, &here)?;
-                return Ok(Some(run.into_iter().map(|(v, _)| v).collect()));
-            }
-            ring += 1;
-            if ring == reached.rings.len() && !reached.grow()? {
-                return Ok(None);
-            }
-        }
+        let Some((ring, here)) = reached.find(broken)? else {
+            return Ok(None);
+        };
+        let smallest = smallest(&self.variables);
+        let path = self.path(variables, &smallest);
+        let run = path.back_to_start(reached, ring, &here)?;
+        Ok(Some(run.into_iter().map(|(v, _)| v).collect()))
     }
 
     /// Returns a shortest run whose last step belongs to `last` and breaks the rule, given by its
@@ -527,20 +591,12 @@ impl<K: Kernel> RuleEncoder<K> {
         // Uses the backward relation without `last.states`, because an invariant that only the last
         // step keeps does not restrict the states before that step.
         let from = last.backward.product(m, &bad)?;
-        let mut ring = 0;
-        loop {
-            let here = m.and(&reached.rings[ring], &from)?;
-            if !m.is_false(&here) {
-                let last = last.only(&bad)?;
-                return self
-                    .run_with_last_step(variables, reached, (ring, &here), &last)
-                    .map(Some);
-            }
-            ring += 1;
-            if ring == reached.rings.len() && !reached.grow()? {
-                return Ok(None);
-            }
-        }
+        let Some((ring, here)) = reached.find(&from)? else {
+            return Ok(None);
+        };
+        let last = last.only(&bad)?;
+        self.run_with_last_step(variables, reached, (ring, &here), &last)
+            .map(Some)
     }
 
     fn path<'a>(&'a self, variables: &'a BTreeSet<VarId>, smallest: &'a [i64]) -> Path<'a> {

@@ -1,0 +1,145 @@
+//! Searches beside the exploration of the reachable states, which answer some queries sooner: back
+//! from the states in question, and for cycles among all states.
+//!
+//! Most queries of a proof find no run. The exploration shows that only once it is complete, which
+//! can take a hundred steps. If no state at all leads to a violation, or no cycle exists even among
+//! unreachable states, a few steps are enough; but on other queries, unreachable states make the
+//! same search far more expensive than the exploration. So the two take turns: a side search may
+//! take as much work as the exploration has taken so far. One that needs more is interrupted, and
+//! repeats its last step once it may take four times as much.
+
+use super::fair;
+use super::rule_encoder::Steps;
+use crate::symbolic::{Kernel, Limit, Limits};
+
+/// Work that a side search may take before the exploration has taken any.
+const FIRST_WORK: u64 = 100_000;
+
+/// Factor by which the work of an interrupted side search may grow before it is repeated.
+const REPEAT_FACTOR: u64 = 4;
+
+/// Decides when a side search may continue.
+#[derive(Debug)]
+pub struct Allowance {
+    /// Work of the exploration.
+    exploration: u64,
+    /// Work that the exploration has to reach before the side search continues.
+    due: u64,
+}
+
+impl Allowance {
+    /// Starts with [`FIRST_WORK`].
+    pub fn new() -> Self {
+        Self {
+            exploration: FIRST_WORK,
+            due: 0,
+        }
+    }
+
+    /// Records work of the exploration.
+    pub fn add(&mut self, work: u64) {
+        self.exploration += work;
+    }
+
+    /// Whether the side search may continue.
+    pub fn is_due(&self) -> bool {
+        self.due <= self.exploration
+    }
+
+    /// Ends the side search: it is not due again.
+    pub fn end(&mut self) {
+        self.due = u64::MAX;
+    }
+
+    /// Runs a part of the side search on a kernel with limited work. Returns `None` if it was
+    /// interrupted; it is then due again after more work of the exploration.
+    fn run<K: Kernel, T>(
+        &mut self,
+        steps: &Steps<K>,
+        part: impl FnOnce(&Steps<K>) -> Result<T, Limit>,
+    ) -> Result<Option<T>, Limit> {
+        let m = &steps.m;
+        let (limits, before) = (m.limits(), m.work());
+        let allowed = before.saturating_add(self.exploration);
+        let is_own = limits.max_work.is_none_or(|most| allowed < most);
+        let limited = steps.on(m.with_limits(&Limits {
+            max_work: Some(limits.max_work.map_or(allowed, |most| most.min(allowed))),
+            ..limits
+        }));
+        match part(&limited) {
+            Ok(found) => {
+                self.due += m.work() - before;
+                Ok(Some(found))
+            }
+            Err(Limit::Work(_)) if is_own => {
+                self.due = REPEAT_FACTOR * self.exploration;
+                Ok(None)
+            }
+            // Without the unreachable states, there may be enough room.
+            Err(Limit::Memory | Limit::Nodes(_)) => {
+                self.end();
+                Ok(None)
+            }
+            Err(limit) => Err(limit),
+        }
+    }
+}
+
+/// The states that lead to a goal, as far as they are known.
+#[derive(Debug)]
+pub struct BackwardSearch<K: Kernel> {
+    /// The states found last.
+    last: K::Function,
+    /// All states found so far.
+    all: K::Function,
+}
+
+impl<K: Kernel> BackwardSearch<K> {
+    /// Starts from the goal.
+    pub fn new(goal: &K::Function) -> Self {
+        Self {
+            last: goal.clone(),
+            all: goal.clone(),
+        }
+    }
+
+    /// Goes one step back. Returns whether there are further states, or `None` if the step was
+    /// interrupted.
+    pub fn step(
+        &mut self,
+        steps: &Steps<K>,
+        allowance: &mut Allowance,
+    ) -> Result<Option<bool>, Limit> {
+        let found = allowance.run(steps, |steps| {
+            let m = &steps.m;
+            let new = m.and_not(&steps.before(&self.last)?, &self.all)?;
+            let all = m.or(&self.all, &new)?;
+            Ok((new, all))
+        })?;
+        let Some((new, all)) = found else {
+            return Ok(None);
+        };
+        let more = !steps.m.is_false(&new);
+        (self.last, self.all) = (new, all);
+        steps.m.safe_point()?;
+        Ok(Some(more))
+    }
+
+    /// Whether one of the states found last is in `states`.
+    pub fn meets(&self, m: &K, states: &K::Function) -> Result<bool, Limit> {
+        Ok(!m.is_false(&m.and(&self.last, states)?))
+    }
+}
+
+/// Whether no infinite run exists that meets all of `again` infinitely often, even from unreachable
+/// states. Returns `None` if the search was interrupted.
+pub fn excludes_cycle<K: Kernel>(
+    steps: &Steps<K>,
+    again: &[K::Function],
+    allowance: &mut Allowance,
+) -> Result<Option<bool>, Limit> {
+    let fair = allowance.run(steps, |steps| {
+        fair::fair(steps, &steps.m.constant(true), again)
+    })?;
+    Ok(fair.map(|fair| steps.m.is_false(&fair)))
+}
