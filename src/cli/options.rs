@@ -118,11 +118,11 @@ and operations, not in seconds, so the same input has the same verdict on every 
         long_help = without_help()
     )]
     pub without: Vec<Heuristic>,
-    /// Neither read nor write the cache of solved contracts
+    /// Neither read nor write the cache of results and proofs
     #[arg(
         long,
         global = true,
-        long_help = "Neither read nor write the cache of solved contracts. By default the cache is in the folder that LINEWRIGHT_CACHE names (`off` disables it), or else \
+        long_help = "Neither read nor write the cache of results and proofs. By default the cache is in the folder that LINEWRIGHT_CACHE names (`off` disables it), or else \
 in the user's cache folder. It can be deleted at any time"
     )]
     pub no_cache: bool,

@@ -32,30 +32,32 @@ fn resize(path: &Path, defaults: &[(&str, u32)]) {
     std::fs::write(path, text).expect("the file is written");
 }
 
-/// The document of a check, and its processor time in seconds.
+/// The document of a check, and the processor time in seconds of the same check for people: for
+/// programs, it also counts the states of the closed composition.
 fn check(file: &str, folder: &Path) -> (Value, f64) {
-    let output = Command::new("sh")
-        .args(["-c", r#""$@" 2>/dev/null > out.json; times"#, "sh"])
-        .args([
-            env!("CARGO_BIN_EXE_linewright"),
-            "check",
-            "--format",
-            "json",
-            file,
-        ])
+    let program = env!("CARGO_BIN_EXE_linewright");
+    let timed = Command::new("sh")
+        .args(["-c", r#""$@" > /dev/null 2>&1; times"#, "sh"])
+        .args([program, "check", file])
         .env("LINEWRIGHT_CACHE", "off")
         .current_dir(folder)
         .output()
         .expect("sh starts");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let text = String::from_utf8_lossy(&timed.stdout).into_owned();
     let last = text.lines().last().unwrap_or_default();
     let seconds = last.split_whitespace().map(|time| {
         let (minutes, rest) = time.split_once('m').expect("minutes");
         let number = |t: &str| t.parse::<f64>().expect("a number");
         number(minutes) * 60.0 + number(rest.trim_end_matches('s'))
     });
-    let json = std::fs::read_to_string(folder.join("out.json")).expect("a document");
-    (serde_json::from_str(&json).expect("JSON"), seconds.sum())
+    let output = Command::new(program)
+        .args(["check", "--format", "json", file])
+        .env("LINEWRIGHT_CACHE", "off")
+        .current_dir(folder)
+        .output()
+        .expect("the program starts");
+    let document = serde_json::from_slice(&output.stdout).expect("JSON");
+    (document, seconds.sum())
 }
 
 fn row((cells, grid): (u32, u32)) {

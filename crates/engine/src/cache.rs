@@ -3,9 +3,9 @@
 //!
 //! There are three kinds of files. An *entry* is stored under a hash of everything that determines
 //! the result of a contract: the specification without its source positions, the solver options,
-//! and the program itself. A *proof* is stored likewise, under a hash of the claim. A *version* is stored under a contract's name. It records the winning region and the
-//! final variable order of the contract's last large game; both are used once the contract has
-//! changed.
+//! and the program itself. A *proof* is stored likewise, under a hash of the claim. A *version* is
+//! stored under a contract's name. It records the winning region and the final variable order of
+//! the contract's last large game; both are used once the contract has changed.
 //!
 //! Every file is written atomically, can be deleted at any time, and is ignored if its checksum
 //! does not match. Failures to write are ignored. Entries hold results but no messages, so that

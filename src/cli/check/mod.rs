@@ -49,7 +49,7 @@ pub const DOCUMENT: Described = Described::new(
 A contract is realizable if some controller keeps its guarantees as long as the plant keeps its \
 assumptions (strict semantics, step by step). The controller is synthesized and verified, but \
 not written; for a large contract that no machine uses, only the verdict is given. Results for \
-unchanged contracts are read from the cache (see --no-cache).
+unchanged contracts, machines and lines are read from the cache (see --no-cache).
 
 Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are \
 recognized by their extension; check reports the verdict, the reason if it is unrealizable, and \

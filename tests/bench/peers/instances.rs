@@ -48,6 +48,11 @@ pub fn all() -> Vec<Instance> {
     add("elevator-4-1-19", Box::new(|| elevator(4, 1, Some(19))));
     add("elevator-4-2-10", Box::new(|| elevator(4, 2, Some(10))));
     add("elevator-5-1-26", Box::new(|| elevator(5, 1, Some(26))));
+    add("elevator-5-2-14", Box::new(|| elevator(5, 2, Some(14))));
+    for floors in [12, 16, 20] {
+        let name = format!("elevator-{floors}-3");
+        add(&name, Box::new(move || elevator(floors, 3, None)));
+    }
     add("ahb-6", Box::new(|| ahb(6, false)));
     add("ahb-8", Box::new(|| ahb(8, false)));
     add("cinderella-5-2-9-5", Box::new(|| cinderella(5, 2, 9, 5)));

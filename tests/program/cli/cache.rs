@@ -1,6 +1,7 @@
 //! Results of an unchanged contract are not computed again; nothing else about a run changes.
 
 use super::session::{Printed, Session};
+use crate::support::root;
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -51,6 +52,49 @@ fn the_second_run_prints_the_same() {
             (anew.code, &anew.out, &anew.err)
         );
     }
+}
+
+/// Names of the cached proofs.
+fn proofs(session: &Session) -> Vec<String> {
+    let names = files(session).into_iter().filter_map(|path| {
+        let name = path.file_name()?.to_string_lossy().into_owned();
+        name.starts_with("proof-").then_some(name)
+    });
+    names.collect()
+}
+
+#[test]
+fn proofs_of_machines_and_lines_are_read_again() {
+    let line = root().join("examples/loader/line.lw");
+    let line = format!("check {} --no-timing -v", line.display());
+    let session = Session::new();
+    let anew = session.run(&line);
+    let first = run(&session, &line);
+    let stored = proofs(&session);
+    assert!(stored.len() > 1, "{stored:?}");
+    let second = run(&session, &line);
+    assert_eq!(
+        (first.code, &first.out, &first.err),
+        (second.code, &second.out, &second.err)
+    );
+    assert_eq!((first.code, &first.out), (anew.code, &anew.out));
+    assert_eq!(proofs(&session), stored);
+    // Only a proof that is missing is searched for and stored anew.
+    std::fs::remove_file(session.path("cache").join(&stored[0])).expect("it exists");
+    run(&session, &line);
+    assert_eq!(proofs(&session), stored);
+    // Another limit of work is another question.
+    run(&session, &format!("{line} --effort 2"));
+    assert_eq!(proofs(&session).len(), 2 * stored.len());
+}
+
+#[test]
+fn a_proof_that_ran_out_of_time_is_not_stored() {
+    let line = root().join("examples/ice-lab/line.lw");
+    let session = Session::new();
+    let line = format!("check {}", line.display());
+    run(&session, &format!("{line} --timeout 0.001"));
+    assert_eq!(proofs(&session), [""; 0]);
 }
 
 #[test]
@@ -171,7 +215,8 @@ fn runs_beside_each_other_do_not_harm() {
     let names = left
         .iter()
         .map(|p| p.file_name().unwrap_or_default().to_string_lossy());
-    assert!(names.clone().all(|n| n.starts_with("entry-")), "{left:?}");
+    let is_complete = |n: &str| ["entry-", "proof-"].iter().any(|kind| n.starts_with(kind));
+    assert!(names.clone().all(|n| is_complete(&n)), "{left:?}");
 }
 
 /// Problems with the cache's folder are never reported.

@@ -420,7 +420,7 @@ fn a_limit_is_named_beside_errors() {
     let session = Session::new();
     let file = root().join("tests/program/cli/refused_and_large.lw");
     std::fs::copy(file, session.path("refused_and_large.lw")).expect("a copy");
-    let printed = session.run("check refused_and_large.lw --no-timing --timeout 2");
+    let printed = session.run("check refused_and_large.lw --no-timing --timeout 0.3");
     assert_eq!(printed.code, 3, "{}{}", printed.out, printed.err);
     let text = printed.out + &printed.err;
     assert!(text.contains("the time limit was reached"), "{text}");

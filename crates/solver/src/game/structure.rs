@@ -15,10 +15,10 @@
 //! states of a small machine: with the outputs of the guide's press at the top, it takes minutes
 //! instead of a quarter of a second. See [`Orientation`].
 //!
-//! An index can also be written in Boolean variables, as in the AMBA and genbuf benchmarks. In large
-//! games, its bits are moved to the bottom. Without that, the time for genbuf from 190 senders on
-//! and for AMBA from 12 masters on is a matter of luck, with factors of up to eight between
-//! neighboring sizes.
+//! An index can also be written in Boolean variables, as in the AMBA and genbuf benchmarks. In
+//! large games, its bits are moved to the bottom. Without that, the time for genbuf from 190
+//! senders on and for AMBA from 12 masters on is a matter of luck, with factors of up to eight
+//! between neighboring sizes.
 //!
 //! A formula about whole arrays does not show which elements belong together, but its comparisons
 //! do. If `built[i]` is compared with `target[i]` for every `i`, but the order does not place each
@@ -138,11 +138,11 @@ fn is_upside_down(specification: &Specification, order: &[usize], pairs: usize) 
     votes > 0
 }
 
-/// Moves the bits of indices to the bottom, next to each other. A specification that writes numbers
-/// in Boolean variables has a formula about all bits of `index = i` for every element `i`. So two or
-/// more Boolean variables count as an index if they occur in the same hyperedges, and in at least
-/// one for every [`MAX_VARIABLES_PER_CASE`] variables. Sifting rarely brings such bits together,
-/// because each alone seems well placed between elements.
+/// Moves the bits of indices to the bottom, next to each other. A specification that writes
+/// numbers in Boolean variables has a formula about all bits of `index = i` for every element `i`.
+/// So two or more Boolean variables count as an index if they occur in the same hyperedges, and in
+/// at least one for every [`MAX_VARIABLES_PER_CASE`] variables. Sifting rarely brings such bits
+/// together, because each alone seems well placed between elements.
 fn move_index_bits_down(
     edges: &[Vec<usize>],
     is_numeric: &impl Fn(&usize) -> bool,
@@ -449,8 +449,8 @@ mod tests {
         });
     }
 
-    /// Whether the bits 0 and 3, about which there is a formula with every element, are at the bottom
-    /// of the order, next to each other.
+    /// Whether the bits 0 and 3, about which there is a formula with every element, are at the
+    /// bottom of the order, next to each other.
     fn are_index_bits_at_the_bottom(domain: &Domain) -> bool {
         let elements = [1, 2, 4, 5];
         let formulas = elements.map(|i| equal(var(0), var(3)).implies(var(i)));

@@ -2,5 +2,6 @@
 
 mod orders;
 mod parts;
+mod runs;
 
 use crate::random::{Random, specification, specification_with_goals};
