@@ -5,7 +5,7 @@
 //! [`Prover`] caches its results, so that a run after a check does not repeat the proofs.
 
 use super::internal;
-use super::machine::{self, MachineContext};
+use super::machine::{self, MachineContext, StateCount};
 use super::prover::Prover;
 use crate::controlled::ControlledMachine;
 use linewright_core::deadline::Deadline;
@@ -24,7 +24,13 @@ pub fn findings(controlled: &ControlledMachine<'_>, prover: Prover<'_>) -> Vec<D
     let machine = controlled.machine;
     let doing = || format!("checking the machine `{}`", machine.name);
     internal::caught(doing, || {
-        machine::prove_machine(controlled, MachineContext::Alone, prover, false).findings
+        machine::prove_machine(
+            controlled,
+            MachineContext::Alone,
+            prover,
+            StateCount::Omitted,
+        )
+        .findings
     })
     .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))])
 }

@@ -32,6 +32,16 @@ pub enum MachineContext {
     Within,
 }
 
+/// Whether to count the reachable states of the closed composition of a machine's controllers,
+/// which takes longer than its proof.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StateCount {
+    /// Counted.
+    Wanted,
+    /// Not counted.
+    Omitted,
+}
+
 /// Result of the proofs of a machine.
 #[derive(Debug, Default)]
 pub struct MachineProof {
@@ -109,13 +119,12 @@ pub struct RefinesEntry {
 }
 
 /// Proves the obligations of a machine, both for all controllers that keep the contracts and for
-/// the actual controllers. The latter can meet obligations that no contract implies. The states of
-/// the closed composition are counted only if `with_count` is set, since that takes longer.
+/// the actual controllers. The latter can meet obligations that no contract implies.
 pub fn prove_machine(
     controlled: &ControlledMachine<'_>,
     context: MachineContext,
     prover: Prover<'_>,
-    with_count: bool,
+    state_count: StateCount,
 ) -> MachineProof {
     let prover = prover.with_budget(Budget::MACHINE);
     let mut result = MachineProof::default();
@@ -131,7 +140,8 @@ pub fn prove_machine(
     let decided = within("putting its controllers together", || {
         prover.decide_closed(&closed)
     });
-    let states = (with_count && decided.is_ok()).then(|| prover.count_states(&closed));
+    let is_counted = state_count == StateCount::Wanted && decided.is_ok();
+    let states = is_counted.then(|| prover.count_states(&closed));
     result.closed = Some(ClosedEntry {
         states: states.and_then(|counted| Some(count(counted.ok()?))),
         ..closed_entry(&closed, &decided)

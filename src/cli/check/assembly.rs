@@ -16,7 +16,7 @@ use crate::engine::findings::lost;
 use crate::engine::internal;
 use crate::engine::judgement;
 use crate::engine::lines;
-use crate::engine::machine::{self, MachineContext, MachineProof};
+use crate::engine::machine::{self, MachineContext, MachineProof, StateCount};
 use crate::engine::machines::{self, MachinePlan};
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::engine::prover::Prover;
@@ -43,7 +43,7 @@ pub(super) struct Assembly<'a> {
     /// Whether to compute the tables that take longer than the verdict.
     pub(super) verbose: bool,
     /// Whether to count the states of closed compositions.
-    pub(super) counting: bool,
+    pub(super) state_count: StateCount,
     pub(super) timing: bool,
     pub(super) statistics: bool,
 }
@@ -385,13 +385,12 @@ impl Assembly<'_> {
                     MachineContext::Alone
                 };
                 let proved = internal::caught(doing, || {
-                    machine::prove_machine(&c, context, self.prover, self.counting)
+                    machine::prove_machine(&c, context, self.prover, self.state_count)
                 });
-                let proved = proved.unwrap_or_else(|fault| MachineProof {
+                proved.unwrap_or_else(|fault| MachineProof {
                     findings: vec![fault.finding(Some(span))],
                     ..MachineProof::default()
-                });
-                proved
+                })
             })
             .unwrap_or_default();
         let fits = !has_errors(&proved.findings);

@@ -18,6 +18,7 @@ use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::engine::controller::ExtractionOptions;
 use crate::engine::files::{self, LoadedFiles, StandardLibrary};
+use crate::engine::machine::StateCount;
 use crate::engine::machines::{self, MachinePlan};
 use crate::engine::output;
 use crate::engine::pipeline::{Announcer, CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
@@ -188,7 +189,11 @@ fn check(
         prover: settings.prover(),
         progress: &console.progress(machines.len() + library.lines.len(), "proving"),
         verbose: options.verbose,
-        counting: options.format == Format::Json,
+        state_count: if options.format == Format::Json {
+            StateCount::Wanted
+        } else {
+            StateCount::Omitted
+        },
         timing: !options.no_timing,
         statistics: arguments.stats,
     }
