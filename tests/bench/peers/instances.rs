@@ -49,7 +49,7 @@ pub fn all() -> Vec<Instance> {
     add("elevator-4-2-10", Box::new(|| elevator(4, 2, Some(10))));
     add("elevator-5-1-26", Box::new(|| elevator(5, 1, Some(26))));
     add("elevator-5-2-14", Box::new(|| elevator(5, 2, Some(14))));
-    for floors in [12, 16, 20] {
+    for floors in [16, 20, 24] {
         let name = format!("elevator-{floors}-3");
         add(&name, Box::new(move || elevator(floors, 3, None)));
     }
