@@ -140,12 +140,12 @@ pub fn prove_machine(
     let decided = within("putting its controllers together", || {
         prover.decide_closed(&closed)
     });
-    let is_counted = state_count == StateCount::Wanted && decided.is_ok();
-    let states = is_counted.then(|| prover.count_states(&closed));
-    result.closed = Some(ClosedEntry {
-        states: states.and_then(|counted| Some(count(counted.ok()?))),
-        ..closed_entry(&closed, &decided)
-    });
+    let states = if state_count == StateCount::Wanted && decided.is_ok() {
+        prover.count_states(&closed).ok()
+    } else {
+        None
+    };
+    result.closed = Some(closed_entry(&closed, &decided, states));
     // If the composition is too large, only the coordinator's states are explored; all other
     // components can do anything.
     let walked = match &decided {
@@ -410,12 +410,17 @@ fn members(proof: &Proof) -> Vec<FormulaRef> {
     cycles.flat_map(|c| c.assumptions.iter().copied()).collect()
 }
 
-/// The closed composition as an entry of the JSON document, without the number of states.
-fn closed_entry(closed: &ClosedComposition<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
+/// The closed composition as an entry of the JSON document, with the number of its states if they
+/// were counted.
+fn closed_entry(
+    closed: &ClosedComposition<'_>,
+    decided: &Result<Verdict, Limit>,
+    states: Option<f64>,
+) -> ClosedEntry {
     let components = closed.machine.components.iter().zip(&closed.participants);
     ClosedEntry {
         verdict: closed_verdict(decided),
-        states: None,
+        states: states.map(count),
         components: components
             .map(|(component, taking)| TakenEntry {
                 name: component.name.clone(),

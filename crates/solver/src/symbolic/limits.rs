@@ -77,10 +77,10 @@ pub struct Budget {
 }
 
 /// The default budgets. An idle computer does about 20 million units of work per second. The
-/// shipped examples use less than a third of the work and half of the nodes: the most expensive
-/// question about the laboratory's line, the premises of its verdict, takes 166 million units and
-/// fewer than 500,000 nodes. `check` waits for the answer to each question about a line, so
-/// [`Budget::LINE`] corresponds to only half a minute.
+/// shipped examples use less than a third of the work and half of the nodes: before proofs searched
+/// backward as well, the most expensive question about the laboratory's line, the premises of its
+/// verdict, took 166 million units and fewer than 500,000 nodes. `check` waits for the answer to
+/// each question about a line, so [`Budget::LINE`] corresponds to only half a minute.
 impl Budget {
     /// For each question about a line: about the calls of its stations, about whether parts keep
     /// moving, and about the premises of these verdicts.

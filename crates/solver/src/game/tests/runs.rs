@@ -3,9 +3,7 @@
 
 use super::super::runs::{Rule, RunQuery, Runs, SafetyViolationQuery};
 use crate::symbolic::{Limit, Limits};
-use linewright_core::gr1::{
-    BinaryOp, Domain, Expr, FormulaKind, Owner, Time, UnaryOp, VarId, Variable,
-};
+use linewright_core::gr1::{BinaryOp, Domain, Expr, FormulaKind, Owner, VarId, Variable};
 use linewright_core::source::Span;
 
 const COUNT: VarId = VarId(0);
@@ -28,38 +26,21 @@ fn variables(bits: u32) -> Vec<Variable> {
     ]
 }
 
-fn binary(op: BinaryOp, a: Expr, b: Expr) -> Expr {
-    Expr::Binary(op, Box::new(a), Box::new(b))
-}
-
-fn equal(a: Expr, b: Expr) -> Expr {
-    binary(BinaryOp::Eq, a, b)
-}
-
-fn not(a: Expr) -> Expr {
-    Expr::Unary(UnaryOp::Not, Box::new(a))
-}
-
 /// The counter starts at 0 and counts up by one in each step, as long as it is not at its end.
 fn counting(bits: u32) -> Vec<Rule> {
-    let (now, next) = (Expr::Var(COUNT, Time::Now), Expr::Var(COUNT, Time::Next));
-    let end = Expr::Const((1 << bits) - 1);
-    let up = equal(
-        next.clone(),
-        binary(BinaryOp::Add, now.clone(), Expr::Const(1)),
+    let (now, next) = (Expr::now(COUNT), Expr::next(COUNT));
+    let is_at_end = now.clone().equals(Expr::Const((1 << bits) - 1));
+    let starts_again = next.clone().equals(Expr::Const(0));
+    let up = Expr::binary(BinaryOp::Add, now.clone(), Expr::Const(1));
+    let counts = Expr::If(
+        Box::new(is_at_end),
+        Box::new(starts_again),
+        Box::new(next.equals(up)),
     );
-    let at_end = equal(now.clone(), end);
     let rule = |kind, expr| Rule { kind, expr };
     vec![
-        rule(FormulaKind::Initial, equal(now, Expr::Const(0))),
-        rule(
-            FormulaKind::Safety,
-            Expr::If(
-                Box::new(at_end),
-                Box::new(equal(next, Expr::Const(0))),
-                Box::new(up),
-            ),
-        ),
+        rule(FormulaKind::Initial, now.equals(Expr::Const(0))),
+        rule(FormulaKind::Safety, counts),
     ]
 }
 
@@ -80,13 +61,8 @@ const SIZES: [u32; 2] = [16, 30];
 #[test]
 fn a_violation_that_no_state_leads_to_is_excluded() {
     for bits in SIZES {
-        let flag = |time| Expr::Var(FLAG, time);
-        let stays = binary(
-            BinaryOp::Implies,
-            not(flag(Time::Now)),
-            not(flag(Time::Next)),
-        );
-        let never = not(flag(Time::Now));
+        let never = Expr::now(FLAG).not();
+        let stays = never.clone().implies(Expr::next(FLAG).not());
         let rules = [
             (FormulaKind::Safety, stays),
             (FormulaKind::Invariant, never.clone()),
@@ -114,9 +90,8 @@ fn a_violation_that_no_state_leads_to_is_excluded() {
 #[test]
 fn a_cycle_that_exists_nowhere_is_excluded() {
     for bits in SIZES {
-        let flag = |time| Expr::Var(FLAG, time);
-        let stays = binary(BinaryOp::Implies, flag(Time::Now), flag(Time::Next));
-        let rises = binary(BinaryOp::And, not(flag(Time::Now)), flag(Time::Next));
+        let stays = Expr::now(FLAG).implies(Expr::next(FLAG));
+        let rises = Expr::now(FLAG).not().and(Expr::next(FLAG));
         let rules = [(FormulaKind::Safety, stays), (FormulaKind::Justice, rises)];
         let mut runs = runs(bits, rules);
         let query = |keep: Vec<usize>| RunQuery {
