@@ -281,11 +281,18 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
         self.support(a).contains(&bit)
     }
 
-    /// Conjunction of literals.
+    /// Conjunction of literals. Long ones are joined from the bottom of the order upwards: then
+    /// each step takes constant time.
     fn cube(&self, literals: &[(Bit, bool)]) -> Result<Self::Function, Limit> {
+        const LONG: usize = 8;
+        let mut literals = literals.to_vec();
+        if literals.len() > LONG {
+            let positions = self.order().positions();
+            literals.sort_by_key(|(bit, _)| (positions[usize::from(bit.pair())], *bit));
+        }
         let mut cube = self.constant(true);
-        for (bit, positive) in literals.iter().rev() {
-            cube = self.and(&cube, &self.literal(*bit, *positive))?;
+        for (bit, positive) in literals.into_iter().rev() {
+            cube = self.and(&cube, &self.literal(bit, positive))?;
         }
         Ok(cube)
     }
