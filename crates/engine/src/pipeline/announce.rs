@@ -9,8 +9,22 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Time after which a stage of an explanation is announced. Most explanations take less.
+/// Time after which a stage of an explanation is announced, unless the work before it took longer.
+/// Most explanations take less.
 const DELAY: Duration = Duration::from_secs(1);
+
+/// If the work before a stage took longer than [`DELAY`], the stage is announced after this share
+/// of that work, so that a verdict that took long is not held back.
+const SHARE: u32 = 20;
+
+/// Returns how long a stage must last to be announced, given the duration of the work before it.
+fn delay(before: Duration) -> Duration {
+    if before > DELAY {
+        (before / SHARE).min(DELAY)
+    } else {
+        DELAY
+    }
+}
 
 /// Where to print announcements; each is a line without its end.
 #[derive(Clone)]
@@ -59,6 +73,7 @@ impl Stage {
 pub(super) struct Announcements<'a> {
     announcer: Option<&'a Announcer>,
     specification: &'a Specification,
+    begin: Instant,
     /// The current stage and its beginning.
     since: Option<(Stage, Instant)>,
     /// The last stage that was announced.
@@ -70,6 +85,7 @@ impl<'a> Announcements<'a> {
         Self {
             announcer,
             specification,
+            begin: Instant::now(),
             since: None,
             said: None,
         }
@@ -85,7 +101,7 @@ impl<'a> Announcements<'a> {
             Some((known, begin)) if known == stage => begin,
             _ => self.since.insert((stage, Instant::now())).1,
         };
-        if self.said != Some(stage) && begin.elapsed() >= DELAY {
+        if self.said != Some(stage) && begin.elapsed() >= delay(begin.duration_since(self.begin)) {
             self.said = Some(stage);
             (announcer.0)(&self.text(stage, reported));
         }
@@ -149,5 +165,12 @@ mod tests {
         announcements.since = Some((Stage::Play, long_ago));
         announcements.update(&solve, Some(&won));
         assert_eq!(printed.lock().unwrap().len(), 1);
+    }
+
+    #[test]
+    fn a_verdict_that_took_long_is_announced_soon() {
+        let seconds = |before: f64| delay(Duration::from_secs_f64(before)).as_secs_f64();
+        let delays = [0.0, 1.0, 2.0, 10.0, 100.0].map(seconds);
+        assert_eq!(delays, [1.0, 1.0, 0.1, 0.5, 1.0]);
     }
 }
