@@ -3,7 +3,7 @@
 use super::console::Console;
 use super::exit::ExitCode;
 use super::interrupt;
-use crate::deadline::Deadline;
+use crate::deadline::{Deadline, MemoryGauge};
 use crate::diagnostics::Diagnostic;
 use crate::engine::cache::Cache;
 use crate::engine::pipeline::Settings;
@@ -16,6 +16,14 @@ use std::time::{Duration, Instant};
 /// Time for a command to print its results after its time limit, before it is terminated: some
 /// work, such as parsing, does not check the time limit.
 const GRACE: Duration = Duration::from_secs(2);
+
+/// Memory in bytes in which every command can report that it reached a limit. Below it, no command
+/// is terminated because of its memory.
+const LEAST_MEMORY: u64 = 64 << 20;
+
+/// The memory of the process, without that of the compilers it starts.
+static MEMORY: MemoryGauge =
+    MemoryGauge::new(|| memory_stats::memory_stats().map(|stats| stats.physical_mem as u64));
 
 /// Output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -94,7 +102,7 @@ pub struct GlobalOptions {
 and operations, not in seconds, so the same input has the same verdict on every computer"
     )]
     pub effort: BudgetFactor,
-    /// Memory limit for the BDDs of one contract, in MiB
+    /// Memory limit of the whole command, compilers excluded, in MiB
     #[arg(
         long,
         global = true,
@@ -161,24 +169,32 @@ impl GlobalOptions {
         self.limits_from(self.began)
     }
 
-    /// Limits of a command that began at this time.
+    /// Limits of a command that began at this time. Work stops at 15/16 of the memory, because it
+    /// notices the limit a little later.
     pub fn limits_from(&self, began: Instant) -> Limits {
         Limits {
             budget_factor: self.effort,
             deadline: self
                 .timeout
                 .map_or(Deadline::NONE, |t| Deadline::after(began, t))
-                .with_interrupt(interrupt::flag()),
+                .with_interrupt(interrupt::flag())
+                .with_memory_limit(&MEMORY, self.memory_bytes() / 16 * 15),
             memory_mib: Some(self.memory),
             ..Limits::default()
         }
     }
 
-    /// When the command is terminated even if it does not check its time limit.
+    /// When the command is terminated even if it does not check its limits.
     pub fn hard_deadline(&self) -> Deadline {
-        self.timeout.map_or(Deadline::NONE, |limit| {
-            Deadline::after(self.began, limit).extended(GRACE)
-        })
+        self.timeout
+            .map_or(Deadline::NONE, |limit| {
+                Deadline::after(self.began, limit).extended(GRACE)
+            })
+            .with_memory_limit(&MEMORY, self.memory_bytes().max(LEAST_MEMORY))
+    }
+
+    fn memory_bytes(&self) -> u64 {
+        self.memory.saturating_mul(1 << 20)
     }
 
     /// Settings of the solver.

@@ -1,8 +1,9 @@
-//! Deadlines and cancellation: `--timeout` and Ctrl-C. Each command creates one deadline and passes
-//! it down. Elapsed time affects the result of a command only through its deadline.
+//! Deadlines and cancellation: `--timeout`, `--memory` and Ctrl-C. Each command creates one
+//! deadline and passes it down. Elapsed time and the memory of the process affect the result of a
+//! command only through its deadline.
 
 use serde::{Deserialize, Serialize};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Reason why work was stopped before it was complete.
@@ -14,6 +15,9 @@ pub enum StopReason {
     /// The caller has requested a stop.
     #[error("it was interrupted")]
     Interrupt,
+    /// The process takes more memory than it may.
+    #[error("the memory limit was reached")]
+    Memory,
 }
 
 impl StopReason {
@@ -22,22 +26,63 @@ impl StopReason {
         match self {
             Self::Time => "give it more time with --timeout SECONDS",
             Self::Interrupt => "run it again",
+            Self::Memory => "allow more memory with --memory MIB",
         }
     }
 }
 
-/// A time limit and an interrupt flag, both optional: work stops when the time has passed or the
-/// flag is set. The default has neither.
+/// Measures the memory of the process. Measuring takes microseconds, so that frequent checks use
+/// the last value, and measure again only if it is above the limit.
+#[derive(Debug)]
+pub struct MemoryGauge {
+    /// Returns the resident memory in bytes; `None` if the system does not tell.
+    measure: fn() -> Option<u64>,
+    /// The last value, in bytes.
+    last: AtomicU64,
+    /// Whether a check has failed since the program began.
+    exceeded: AtomicBool,
+}
+
+impl MemoryGauge {
+    /// Creates a gauge from a function that returns the resident memory of the process in bytes;
+    /// `None` if the system does not tell.
+    pub const fn new(measure: fn() -> Option<u64>) -> Self {
+        Self {
+            measure,
+            last: AtomicU64::new(0),
+            exceeded: AtomicBool::new(false),
+        }
+    }
+
+    /// Measures the memory of the process and returns it in bytes; 0 if the system does not tell.
+    pub fn sample(&self) -> u64 {
+        let now = (self.measure)().unwrap_or(0);
+        self.last.store(now, Ordering::Relaxed);
+        now
+    }
+}
+
+/// Limit on the memory of the process.
+#[derive(Debug, Clone, Copy)]
+struct MemoryLimit {
+    gauge: &'static MemoryGauge,
+    bytes: u64,
+}
+
+/// A time limit, a memory limit and an interrupt flag, all optional: work stops when the time has
+/// passed, the process takes too much memory, or the flag is set. The default has none.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Deadline {
     instant: Option<Instant>,
     interrupt: Option<&'static AtomicBool>,
+    memory: Option<MemoryLimit>,
 }
 
 impl PartialEq for Deadline {
     fn eq(&self, other: &Self) -> bool {
         let flag = |deadline: &Self| deadline.interrupt.map(std::ptr::from_ref);
-        self.instant == other.instant && flag(self) == flag(other)
+        let memory = |deadline: &Self| deadline.memory.map(|limit| limit.bytes);
+        self.instant == other.instant && flag(self) == flag(other) && memory(self) == memory(other)
     }
 }
 
@@ -48,6 +93,7 @@ impl Deadline {
     pub const NONE: Self = Self {
         instant: None,
         interrupt: None,
+        memory: None,
     };
 
     /// Creates a deadline `limit` after `start`; without a time limit if that instant is beyond the
@@ -55,7 +101,7 @@ impl Deadline {
     pub fn after(start: Instant, limit: Duration) -> Self {
         Self {
             instant: start.checked_add(limit),
-            interrupt: None,
+            ..Self::NONE
         }
     }
 
@@ -68,22 +114,59 @@ impl Deadline {
         }
     }
 
+    /// Adds a limit on the memory of the process, in bytes. The gauge must be
+    /// [sampled](Self::sample_memory) regularly.
+    #[must_use]
+    pub fn with_memory_limit(self, gauge: &'static MemoryGauge, bytes: u64) -> Self {
+        Self {
+            memory: Some(MemoryLimit { gauge, bytes }),
+            ..self
+        }
+    }
+
+    /// Measures the memory of the process if it is limited.
+    pub fn sample_memory(self) {
+        if let Some(limit) = self.memory {
+            limit.gauge.sample();
+        }
+    }
+
+    /// Returns how much more memory the process may take, in bytes, by the last measurement;
+    /// `u64::MAX` without a limit.
+    pub fn memory_left(self) -> u64 {
+        self.memory.map_or(u64::MAX, |limit| {
+            let last = limit.gauge.last.load(Ordering::Relaxed);
+            limit.bytes.saturating_sub(last)
+        })
+    }
+
+    /// Returns whether a check has ever found the memory limit exceeded.
+    pub fn has_exceeded_memory(self) -> bool {
+        self.memory
+            .is_some_and(|limit| limit.gauge.exceeded.load(Ordering::Relaxed))
+    }
+
     /// Creates a deadline `limit` from now.
     pub fn from_now(limit: Duration) -> Self {
         Self::after(Instant::now(), limit)
     }
 
-    /// Returns this deadline, extended by a grace period.
+    /// Returns this deadline, extended by a grace period and 1/16 of the memory.
     #[must_use]
     pub fn extended(self, grace: Duration) -> Self {
         let later = |instant: Instant| instant.checked_add(grace);
+        let more = |limit: MemoryLimit| MemoryLimit {
+            bytes: limit.bytes.saturating_add(limit.bytes / 16),
+            ..limit
+        };
         Self {
             instant: self.instant.and_then(later),
+            memory: self.memory.map(more),
             ..self
         }
     }
 
-    /// Returns whether the deadline has passed or its flag is set.
+    /// Returns whether work must stop.
     pub fn is_past(self) -> bool {
         self.check().is_err()
     }
@@ -97,7 +180,8 @@ impl Deadline {
     /// Checks the deadline; call this in loops that can take long.
     ///
     /// # Errors
-    /// Returns the reason if the flag is set or the time has passed; the flag takes precedence.
+    /// Returns the reason if the flag is set, the time has passed or the process takes too much
+    /// memory, in this order of precedence.
     pub fn check(self) -> Result<(), StopReason> {
         if self
             .interrupt
@@ -109,9 +193,24 @@ impl Deadline {
             .is_some_and(|instant| Instant::now() >= instant)
         {
             Err(StopReason::Time)
+        } else if self.memory.is_some_and(MemoryLimit::is_exceeded) {
+            Err(StopReason::Memory)
         } else {
             Ok(())
         }
+    }
+}
+
+impl MemoryLimit {
+    /// Returns whether the process takes more memory. Measures it only if the last value was above
+    /// the limit: work that was stopped may have freed its memory since.
+    fn is_exceeded(self) -> bool {
+        let is_exceeded = self.gauge.last.load(Ordering::Relaxed) > self.bytes
+            && self.gauge.sample() > self.bytes;
+        if is_exceeded {
+            self.gauge.exceeded.store(true, Ordering::Relaxed);
+        }
+        is_exceeded
     }
 }
 
@@ -153,5 +252,32 @@ mod tests {
         let interrupted = Err(StopReason::Interrupt);
         assert_eq!([never.check(), now.check()], [interrupted; 2]);
         assert_eq!(never.extended(Duration::from_hours(1)).check(), interrupted);
+    }
+
+    #[test]
+    fn memory_is_measured_again_before_work_is_stopped() {
+        static MEMORY: AtomicU64 = AtomicU64::new(0);
+        static GAUGE: MemoryGauge = MemoryGauge::new(|| Some(MEMORY.load(Ordering::Relaxed)));
+        let limited = Deadline::NONE.with_memory_limit(&GAUGE, 100);
+        assert_eq!((limited.check(), limited.memory_left()), (Ok(()), 100));
+        MEMORY.store(105, Ordering::Relaxed);
+        assert_eq!(limited.check(), Ok(()), "no measurement yet");
+        limited.sample_memory();
+        assert_eq!(limited.memory_left(), 0);
+        assert_eq!(limited.check(), Err(StopReason::Memory));
+        assert_eq!(limited.extended(Duration::ZERO).check(), Ok(()));
+        MEMORY.store(40, Ordering::Relaxed);
+        assert_eq!((limited.check(), limited.memory_left()), (Ok(()), 60));
+        assert!(limited.has_exceeded_memory());
+        assert_eq!(Deadline::NONE.memory_left(), u64::MAX);
+    }
+
+    #[test]
+    fn a_system_that_does_not_tell_sets_no_limit() {
+        static GAUGE: MemoryGauge = MemoryGauge::new(|| None);
+        let limited = Deadline::NONE.with_memory_limit(&GAUGE, 0);
+        limited.sample_memory();
+        assert_eq!(limited.check(), Ok(()));
+        assert!(!limited.has_exceeded_memory());
     }
 }

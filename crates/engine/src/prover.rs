@@ -128,6 +128,7 @@ impl<'a> Prover<'a> {
         let found = answer(&self.limits);
         // Within a proof, a limit can lead to a weaker answer instead of an error.
         let is_external = self.limits.check_time().is_err()
+            || self.limits.deadline.has_exceeded_memory()
             || matches!(&found, Err(why) if why.clone().into().is_external());
         if !is_external {
             cache.store_answer(&key, &found);

@@ -15,8 +15,12 @@ use std::time::Instant;
 /// answer says more than the values reported before.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Interval between checks of the deadline; an interrupt can bring the deadline forward.
-const POLL_INTERVAL: Duration = Duration::from_millis(50);
+/// Interval between checks of the deadline; an interrupt can bring the deadline forward, and memory
+/// can grow by a gigabyte in a second.
+const POLL_INTERVAL: Duration = Duration::from_millis(5);
+
+/// Number of checks of the deadline between two calls of `waiting`.
+const POLLS_PER_CALL: u32 = 10;
 
 /// Stack size in bytes. Formulas can be nested arbitrarily deep, and are processed recursively.
 pub const STACK_BYTES: usize = 256 << 20;
@@ -55,13 +59,18 @@ where
     });
     let thread = thread.unwrap_or_else(|e| panic!("cannot start a thread: {e}"));
     let mut reported = None;
+    let mut polls = 0_u32;
     loop {
         let left = last.remaining().unwrap_or(POLL_INTERVAL);
         match receiver.recv_timeout(left.min(POLL_INTERVAL)) {
             Ok(Ok(result)) => return Completion::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
             Err(RecvTimeoutError::Timeout) => {
-                waiting(reported.as_ref());
+                polls = polls.wrapping_add(1);
+                if polls.is_multiple_of(POLLS_PER_CALL) {
+                    waiting(reported.as_ref());
+                }
+                last.sample_memory();
                 if let Err(late) = last.check() {
                     return Completion::Abandoned(late, reported);
                 }

@@ -209,6 +209,9 @@ impl Error {
                     StopReason::Time => {
                         "allow more time with --timeout SECONDS; finished libraries are kept"
                     }
+                    StopReason::Memory => {
+                        "allow more memory with --memory MIB; finished libraries are kept"
+                    }
                     StopReason::Interrupt => "run it again; finished libraries are kept",
                 },
             ),

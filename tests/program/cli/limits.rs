@@ -160,6 +160,27 @@ fn a_memory_limit_ends_in_a_message() {
     }
 }
 
+/// Parsing does not check the memory; a file that is too large for it still ends in a message, and
+/// so does every other command that reads it.
+#[test]
+fn a_file_that_does_not_fit_into_memory_ends_in_a_message() {
+    let session = Session::new();
+    let line = "    guarantee always y\n";
+    let text = format!(
+        "contract Long {{\n    output y: bool\n{}}}\n",
+        line.repeat(100_000)
+    );
+    std::fs::write(session.path("long.lw"), text).expect("a file");
+    for command in ["check", "synth", "fmt --check"] {
+        let printed = session.run(&format!("{command} long.lw --no-cache --memory 70"));
+        assert_eq!(printed.code, 3, "{command}: {}", printed.out);
+        let said = printed.out + &printed.err;
+        for wanted in ["the memory limit was reached", "--memory MIB"] {
+            assert!(said.contains(wanted), "{command}: {said}");
+        }
+    }
+}
+
 #[test]
 fn a_counterstrategy_that_is_not_found_names_the_limit() {
     let session = Session::new();

@@ -350,6 +350,9 @@ impl Task {
     /// The entry to store. `None` if a time or memory limit affected the result, or if its findings
     /// are only about the assumptions in the file.
     fn entry(&self, known: &Analysis) -> Option<Entry> {
+        if self.settings.limits.deadline.has_exceeded_memory() {
+            return None;
+        }
         let (extracted, machine, functions) = match &known.controller {
             Controller::NotRequested => (false, None, None),
             Controller::Stopped(Limit::Size) => (true, None, None),

@@ -163,9 +163,16 @@ impl DiagramBuilder {
         if fresh.is_multiple_of(1 << 14) {
             self.limits.check_time()?;
         }
+        let is_last = 2 * (fresh + 1) > self.slots.len();
+        if is_last {
+            let bytes = 2 * size_of_val(&*self.slots) + self.nodes.len() * size_of::<Node>();
+            if bytes as u64 > self.limits.deadline.memory_left() {
+                return Err(Limit::Memory);
+            }
+        }
         self.nodes.push(node);
         self.slots[place] = fresh as u32 + 1;
-        if 2 * self.nodes.len() > self.slots.len() {
+        if is_last {
             self.widen();
         }
         Ok(Edge::to(fresh).flipped(negate))

@@ -171,7 +171,9 @@ impl Biodivine {
             return Err(Limit::Memory);
         }
         let live = self.meter.live.load(Ordering::Relaxed);
-        match self.max_nodes.checked_sub(live) {
+        let left = self.limits.deadline.memory_left() / BYTES_PER_NODE;
+        let left = usize::try_from(left).unwrap_or(usize::MAX);
+        match self.max_nodes.checked_sub(live).map(|room| room.min(left)) {
             Some(room) if room > 2 => Ok(room),
             _ => Err(Limit::Memory),
         }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Limits of one stage of a command.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Limits {
-    /// Deadline and interruption of the command.
+    /// Time limit, memory limit and interruption of the command.
     pub deadline: Deadline,
     /// Maximum memory of all nodes, in MiB.
     pub memory_mib: Option<u64>,
@@ -31,8 +31,8 @@ pub struct Limits {
 pub enum Limit {
     /// The deadline passed, or the command was interrupted.
     #[error(transparent)]
-    Stopped(#[from] StopReason),
-    /// The nodes do not fit into the memory limit.
+    Stopped(StopReason),
+    /// The nodes do not fit into the memory limit, or the process takes more.
     #[error("the memory limit was reached")]
     Memory,
     /// The machine has too many states or transitions to list them.
@@ -47,6 +47,15 @@ pub enum Limit {
     /// The node budget is used up; carries the budget.
     #[error("it needed more than {0} nodes at once")]
     Nodes(u64),
+}
+
+impl From<StopReason> for Limit {
+    fn from(reason: StopReason) -> Self {
+        match reason {
+            StopReason::Memory => Self::Memory,
+            StopReason::Time | StopReason::Interrupt => Self::Stopped(reason),
+        }
+    }
 }
 
 impl Limit {
@@ -217,7 +226,8 @@ impl Limits {
     }
 
     /// Corrects a reported [`Limit::Memory`] to [`Limit::Nodes`] if the memory has ample room for
-    /// the allowed nodes (128 bytes for each), so that the node limit must be the cause.
+    /// the allowed nodes (128 bytes for each) and the process never took too much, so that the node
+    /// limit must be the cause.
     pub fn attribute(&self, limit: Limit) -> Limit {
         const BYTES: u64 = 128;
         let has_room = |nodes: u64| {
@@ -225,7 +235,11 @@ impl Limits {
             memory.is_none_or(|bytes| bytes / BYTES >= nodes)
         };
         match (limit, self.max_nodes) {
-            (Limit::Memory, Some(most)) if has_room(most) => Limit::Nodes(most),
+            (Limit::Memory, Some(most))
+                if has_room(most) && !self.deadline.has_exceeded_memory() =>
+            {
+                Limit::Nodes(most)
+            }
             _ => limit,
         }
     }

@@ -32,6 +32,9 @@ use store::{MAX_NODES, Stop, Store};
 /// that is sifted.
 const BYTES_PER_NODE: u64 = 44;
 
+/// Maximum bytes per live node that sifting takes.
+const SIFT_BYTES_PER_NODE: u64 = 160;
+
 /// Capacity of the store in nodes without a memory limit: about 5 GiB when full.
 const USUAL_NODES: u64 = 1 << 27;
 
@@ -227,7 +230,8 @@ impl State {
         if self.nodes() > self.collected + FEW_DEAD_NODES {
             self.collect();
         }
-        if self.nodes() < capacity / 3 {
+        let has_room = self.nodes() < limits.deadline.memory_left() / SIFT_BYTES_PER_NODE;
+        if self.nodes() < capacity / 3 && has_room {
             self.reorder(work, limits);
         }
         self.collected = self.nodes();
@@ -333,7 +337,7 @@ impl SharedStore {
             break match result {
                 Ok(link) => state.function(link),
                 Err(Stop::Full) => return Err(Limit::Memory),
-                Err(Stop::Late(reason)) => return Err(Limit::Stopped(reason)),
+                Err(Stop::Late(reason)) => return Err(reason.into()),
                 Err(Stop::Work) => return Err(Limit::Work(max_work)),
                 Err(Stop::Tedious) => {
                     state.relieve(self.shared.capacity, &self.limits);

@@ -240,10 +240,14 @@ impl Store {
             }
             place = (place + 1) & mask;
         }
+        // At most seven of eight slots are used.
+        let is_last = self.count + 1 >= self.slots.len() / 8 * 7;
+        if is_last {
+            self.check_room(2 * self.slots.len() * size_of::<u64>())?;
+        }
         let number = self.add(Node { level, high, low })?;
         self.slots[place] = u64::from(hash) << 32 | u64::from(number);
-        // At most seven of eight slots are used.
-        if self.count >= self.slots.len() / 8 * 7 {
+        if is_last {
             self.grow();
         }
         Ok(Link::to(number).flipped(negate))
@@ -254,21 +258,32 @@ impl Store {
         if self.count >= self.capacity {
             return Err(Stop::Full);
         }
-        self.count += 1;
-        self.created += 1;
         if self.free != 0 {
             let number = self.free;
             let place = &mut self.nodes[number as usize];
             self.free = place.high.node();
             *place = node;
+            self.count += 1;
+            self.created += 1;
             return Ok(number);
         }
         if self.nodes.len() == self.nodes.capacity() {
             let more = self.nodes.len().min(self.capacity + 1 - self.nodes.len());
+            self.check_room(more * size_of::<Node>())?;
             self.nodes.reserve_exact(more.max(1));
         }
         self.nodes.push(node);
+        self.count += 1;
+        self.created += 1;
         Ok(self.nodes.len() as u32 - 1)
+    }
+
+    /// Returns an error if the process may not take this many more bytes.
+    fn check_room(&self, bytes: usize) -> Result<(), Stop> {
+        if bytes as u64 > self.deadline.memory_left() {
+            return Err(Stop::Full);
+        }
+        Ok(())
     }
 
     /// Doubles the number of slots.
@@ -401,6 +416,8 @@ impl Store {
     /// Replaces all nodes by those of `diagram`, which respects `order` and is not larger than the
     /// store. Returns its roots.
     pub fn replace(&mut self, diagram: &Diagram, order: &Order) -> Vec<Link> {
+        // Nothing has to grow.
+        self.deadline = Deadline::NONE;
         self.collect([]);
         self.free = 0;
         self.nodes.truncate(1);
