@@ -35,14 +35,15 @@ fn main() {
 #[cfg(unix)]
 mod bounds {
     use super::families::anzu::{amba, genbuf};
-    use super::families::arithmetic::elevator;
+    use super::families::arithmetic::{Task, elevator, robot_arm};
     use super::families::formula::Format;
     use super::measure::{self, End};
     use std::ffi::OsString;
     use std::fmt::Write as _;
+    use std::io::{BufRead as _, BufReader};
     use std::path::{Path, PathBuf};
-    use std::process::ExitCode;
-    use std::time::Duration;
+    use std::process::{Command, ExitCode, Stdio};
+    use std::time::{Duration, Instant};
 
     const WITHOUT_CACHE: &str = "--no-cache";
 
@@ -75,6 +76,12 @@ mod bounds {
             let _ = writeln!(text, "  input signal_{i}: bool");
         }
         text + "  output y: bool\n  guarantee always y\n}\n"
+    }
+
+    /// A contract that says the same many times.
+    fn repeated_guarantees(count: usize) -> String {
+        let repeated = "  guarantee always y\n".repeat(count);
+        format!("contract Long {{\n  output y: bool\n{repeated}}}\n")
     }
 
     struct Folder {
@@ -121,19 +128,26 @@ mod bounds {
         let genbuf7 = folder.write("genbuf7.slugsin", &genbuf(7, Format::Slugsin));
         let genbuf40 = folder.write("genbuf40.slugsin", &genbuf(40, Format::Slugsin));
         let genbuf200 = folder.write("genbuf200.slugsin", &genbuf(200, Format::Slugsin));
+        let long = folder.write("long.lw", &repeated_guarantees(200_000));
+        let sum = folder.write("sum.spectra", &robot_arm(5, 16, Task::Sum, false));
         let amba8 = folder.write("amba8.slugsin", &amba(8, Format::Slugsin));
         let amba15 = folder.write("amba15.slugsin", &amba(15, Format::Slugsin));
-        let [anew, verdict, bounded, written] = [
+        let [anew, verdict, bounded, small, written, written_small] = [
             "check",
             "check --verdict-only",
             "check --memory 200 --timeout 3",
+            "check --memory 100",
             "synth --emit c --out OUT",
+            "synth --emit c --out OUT --memory 200",
         ]
         .map(|command| format!("{command} {WITHOUT_CACHE}"));
-        vec![
+        let mut cases = vec![
             folder.case("records, 20 levels", &bounded, &deep, (3.0, 200.0, 1)),
             folder.case("records, 24 levels", &bounded, &deeper, (3.0, 200.0, 1)),
-            folder.case("10,000 similar names", &bounded, &many, (3.3, 220.0, 3)),
+            folder.case("10,000 similar names", &bounded, &many, (3.0, 200.0, 0)),
+            folder.case("200,000 lines, 100 MiB", &small, &long, (3.0, 110.0, 3)),
+            folder.case("genbuf200, 100 MiB", &small, &genbuf200, (10.0, 110.0, 3)),
+            folder.case("arm, C, 200 MiB", &written_small, &sum, (20.0, 220.0, 3)),
             folder.case("genbuf200, verdict", &verdict, &genbuf200, (40.0, 800.0, 0)),
             folder.case("amba15, verdict", &verdict, &amba15, (40.0, 800.0, 0)),
             folder.case("genbuf7, C", &written, &genbuf7, (0.5, 100.0, 0)),
@@ -149,7 +163,71 @@ mod bounds {
             ),
             folder.case("laboratory's line", "check", &line, (2.0, 200.0, 0)),
             folder.case("... again, cached", "check", &line, (0.2, 100.0, 0)),
-        ]
+        ];
+        // A published file whose controller is too large to be listed.
+        let sort = specifications().join("syntech15/ColorSortLTL3_679_ColorSort_fixed.spectra");
+        if sort.is_file() {
+            let options = format!("synth --emit json {WITHOUT_CACHE}");
+            cases.push(folder.case("ColorSort 679, JSON", &options, &sort, (5.0, 100.0, 0)));
+        } else {
+            println!("not measured: ColorSort, which LINEWRIGHT_SPECS does not contain\n");
+        }
+        cases
+    }
+
+    /// The folder of published specifications.
+    fn specifications() -> PathBuf {
+        std::env::var_os("LINEWRIGHT_SPECS").map_or_else(
+            || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/bench/specs"),
+            PathBuf::from,
+        )
+    }
+
+    /// The seconds by the clock until `check` tells that the file is unrealizable.
+    fn until_verdict(options: &[&str], file: &Path) -> std::io::Result<f64> {
+        let begin = Instant::now();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_linewright"))
+            .args(["check", WITHOUT_CACHE])
+            .args(options)
+            .arg(file)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()?;
+        let stderr = child.stderr.take().expect("a pipe");
+        let mut lines = BufReader::new(stderr).lines();
+        let told = lines.find(|line| line.as_ref().map_or(true, |l| l.contains("unrealizable")));
+        // Without a verdict there, the command has ended.
+        told.transpose()?;
+        let seconds = begin.elapsed().as_secs_f64();
+        child.kill()?;
+        child.wait()?;
+        Ok(seconds)
+    }
+
+    /// Whether a verdict waits for its explanation: the time until `check` announces it, beside
+    /// that of `check --verdict-only`. The median of three runs each.
+    fn announcement(folder: &Folder) -> std::io::Result<bool> {
+        let lost = folder.write("elevator5.spectra", &elevator(5, 2, Some(13)));
+        let mut times = [Vec::new(), Vec::new()];
+        for _ in 0..3 {
+            times[0].push(until_verdict(&["--verdict-only"], &lost)?);
+            times[1].push(until_verdict(&[], &lost)?);
+        }
+        let [alone, announced] = times.map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            times[1]
+        });
+        let is_within = announced <= 1.1 * alone;
+        println!(
+            "\nverdict of an elevator, by the clock: {alone:.2} s alone, {announced:.2} s before its explanation{}",
+            if is_within {
+                ""
+            } else {
+                " (exceeded: at most 10 % more)"
+            }
+        );
+        Ok(is_within)
     }
 
     pub fn main() -> ExitCode {
@@ -192,6 +270,13 @@ mod bounds {
                     (false, end) => format!("exceeded, {end:?}"),
                 }
             );
+        }
+        match announcement(&folder) {
+            Ok(is_within) => exceeded += u32::from(!is_within),
+            Err(why) => {
+                eprintln!("the announcement of a verdict: {why}");
+                return ExitCode::FAILURE;
+            }
         }
         println!("\nrows out of bounds: {exceeded}");
         ExitCode::SUCCESS
