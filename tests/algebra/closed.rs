@@ -333,6 +333,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         for proof in [
             proof::prove(&system, &claim, &Limits::default()).expect("no limit"),
             proof::decide(&system, &claim, &Limits::default()).expect("no limit"),
+            proof::decide_stepwise(&system, &claim, &Limits::default()).expect("no limit"),
         ] {
             assert!(!proof.holds(), "{text}");
             let met = proof.discharges.iter().find(|d| is_it(&d.what));

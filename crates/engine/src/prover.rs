@@ -20,6 +20,16 @@ use std::fmt::Debug;
 pub struct Prover<'a> {
     limits: Limits,
     cache: Option<&'a Cache>,
+    discharges: Discharges,
+}
+
+/// Which formulas a discharge rests on, in proofs of machines. The verdict is the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Discharges {
+    /// A minimal set, for tables of discharges.
+    Minimal,
+    /// Any sufficient set, which is found sooner.
+    Sufficient,
 }
 
 impl<'a> Prover<'a> {
@@ -28,7 +38,15 @@ impl<'a> Prover<'a> {
         Self {
             limits: *limits,
             cache,
+            discharges: Discharges::Sufficient,
         }
+    }
+
+    /// Returns a prover whose proofs of machines rest on such sets of formulas;
+    /// [`Discharges::Sufficient`] by default.
+    #[must_use]
+    pub fn with_discharges(self, discharges: Discharges) -> Self {
+        Self { discharges, ..self }
     }
 
     /// Limits of each claim.
@@ -59,11 +77,16 @@ impl<'a> Prover<'a> {
         })
     }
 
-    /// See [`proof::prove_stepwise`].
+    /// See [`proof::prove_stepwise`] and [`proof::decide_stepwise`].
     pub fn prove_stepwise(&self, system: &System, claim: &Claim) -> Result<Proof, Limit> {
-        self.recall("prove stepwise", &(system, claim), |limits| {
-            proof::prove_stepwise(system, claim, limits)
-        })
+        match self.discharges {
+            Discharges::Minimal => self.recall("prove stepwise", &(system, claim), |limits| {
+                proof::prove_stepwise(system, claim, limits)
+            }),
+            Discharges::Sufficient => self.recall("decide stepwise", &(system, claim), |limits| {
+                proof::decide_stepwise(system, claim, limits)
+            }),
+        }
     }
 
     /// See [`ClosedComposition::decide`]; the budget is that of closed compositions.

@@ -24,6 +24,7 @@ use crate::gr1::{Specification, VarId};
 use crate::interchange::Format;
 use crate::source::Span;
 use indicatif::ProgressBar;
+use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use std::path::Path;
 
 /// The data from which the document is assembled.
@@ -46,6 +47,12 @@ pub(super) struct Assembly<'a> {
     pub(super) state_count: StateCount,
     pub(super) timing: bool,
     pub(super) statistics: bool,
+}
+
+/// The entry of a machine or a line.
+enum ProvedEntry {
+    Machine(MachineEntry),
+    Line(LineEntry),
 }
 
 impl Assembly<'_> {
@@ -71,6 +78,7 @@ impl Assembly<'_> {
             .filter(|f| f.span.is_none())
             .cloned()
             .collect();
+        let mut proved = self.proved().into_iter();
         for file in self.files {
             loose.extend(file.outside());
             for declaration in &file.declarations {
@@ -96,15 +104,13 @@ impl Assembly<'_> {
                         });
                         document.contracts.push(entry);
                     }
-                    Kind::Machine => {
-                        self.begin(&declaration.name);
-                        let entry = self.machine(file, declaration, &mut findings);
-                        document.machines.push(entry);
-                    }
-                    Kind::Line => {
-                        self.begin(&declaration.name);
-                        let entry = self.line(file, declaration, &mut findings);
-                        document.lines.push(entry);
+                    Kind::Machine | Kind::Line => {
+                        let (entry, found) = proved.next().expect("every one has an entry");
+                        findings = found;
+                        match entry {
+                            ProvedEntry::Machine(entry) => document.machines.push(entry),
+                            ProvedEntry::Line(entry) => document.lines.push(entry),
+                        }
                     }
                     Kind::Skills => {
                         let entry = self.skills(file, declaration, &mut findings);
@@ -138,6 +144,29 @@ impl Assembly<'_> {
         }
         document.summary.findings = all.len();
         (document, all)
+    }
+
+    /// Proves the machines and lines in parallel. Returns their entries and findings in the order
+    /// of the declarations.
+    fn proved(&self) -> Vec<(ProvedEntry, Vec<Diagnostic>)> {
+        let declarations = self.files.iter().flat_map(|file| {
+            let declarations = file.declarations.iter();
+            declarations.map(move |declaration| (file, declaration))
+        });
+        let claims: Vec<_> = declarations
+            .filter(|(_, d)| matches!(d.kind, Kind::Machine | Kind::Line))
+            .collect();
+        let prove = |(file, declaration): (&FileView<'_>, &Declaration)| {
+            let mut findings = file.within(declaration);
+            self.begin(&declaration.name);
+            let entry = if declaration.kind == Kind::Machine {
+                ProvedEntry::Machine(self.machine(file, declaration, &mut findings))
+            } else {
+                ProvedEntry::Line(self.line(file, declaration, &mut findings))
+            };
+            (entry, findings)
+        };
+        claims.into_par_iter().map(prove).collect()
     }
 
     /// Shows which proof is running.

@@ -22,6 +22,7 @@ use crate::engine::machine::StateCount;
 use crate::engine::machines::{self, MachinePlan};
 use crate::engine::output;
 use crate::engine::pipeline::{Announcer, CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
+use crate::engine::prover::Discharges;
 use crate::source::Span;
 use assembly::Assembly;
 use clap::Args;
@@ -178,6 +179,12 @@ fn check(
     };
     let checked = jobs.run_with(memory, &announcing, &progress);
 
+    // Only the tables show what a discharge rests on.
+    let discharges = if options.verbose || options.format == Format::Json {
+        Discharges::Minimal
+    } else {
+        Discharges::Sufficient
+    };
     let report = Assembly {
         loaded: &loaded,
         files: &files,
@@ -186,7 +193,7 @@ fn check(
         instances: &instances,
         jobs: &jobs,
         checked: &checked,
-        prover: settings.prover(),
+        prover: settings.prover().with_discharges(discharges),
         progress: &console.progress(machines.len() + library.lines.len(), "proving"),
         verbose: options.verbose,
         state_count: if options.format == Format::Json {

@@ -36,6 +36,8 @@ pub struct Run {
     pub end: End,
     /// User and system time, including children.
     pub seconds: f64,
+    /// Seconds by the clock.
+    pub elapsed: f64,
     /// Peak resident memory in MiB. At least that of the intermediate process, about 2 MiB.
     pub mebibytes: f64,
     /// Standard output.
@@ -62,7 +64,9 @@ pub fn run(program: &[OsString], limit: Duration) -> Result<Run, String> {
         .ok_or_else(|| format!("{shown} was not measured: {}", words.trim()))?;
     let report: Vec<&str> = report.split_whitespace().collect();
     let number = |i: usize| report.get(i).and_then(|w| w.parse::<f64>().ok());
-    let (Some(seconds), Some(mebibytes), Some(end)) = (number(0), number(1), report.get(2)) else {
+    let (Some(seconds), Some(elapsed), Some(mebibytes), Some(end)) =
+        (number(0), number(1), number(2), report.get(3))
+    else {
         return Err(format!("{shown}: a report that cannot be read: {report:?}"));
     };
     let end = match *end {
@@ -73,6 +77,7 @@ pub fn run(program: &[OsString], limit: Duration) -> Result<Run, String> {
     Ok(Run {
         end,
         seconds,
+        elapsed,
         mebibytes,
         text: said.to_owned(),
         words: words.into_owned(),
@@ -117,6 +122,7 @@ fn measure(arguments: &[OsString]) -> Result<(), String> {
         std::thread::sleep(pause);
         pause = (pause * 2).min(Duration::from_millis(20));
     };
+    let elapsed = begin.elapsed().as_secs_f64();
     let usage = getrusage(UsageWho::RUSAGE_CHILDREN).map_err(|e| e.to_string())?;
     let seconds = |time: TimeVal| time.num_microseconds() as f64 / 1e6;
     let seconds = seconds(usage.user_time()) + seconds(usage.system_time());
@@ -128,5 +134,5 @@ fn measure(arguments: &[OsString]) -> Result<(), String> {
     };
     let mebibytes = usage.max_rss() as f64 * unit / f64::from(1 << 20);
     let mut out = std::io::stdout();
-    writeln!(out, "\n{REPORT} {seconds} {mebibytes} {end}").map_err(|e| e.to_string())
+    writeln!(out, "\n{REPORT} {seconds} {elapsed} {mebibytes} {end}").map_err(|e| e.to_string())
 }

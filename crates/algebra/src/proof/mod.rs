@@ -121,7 +121,8 @@ pub struct Discharge {
     /// Rule that discharges it.
     pub rule: DischargeRule,
     /// Formulas that the proof rests on: guarantees of components, givens, exported assumptions and
-    /// proved formulas of the goal. The set is minimal, except with [`decide`].
+    /// proved formulas of the goal. The set is minimal, except with [`decide`] and
+    /// [`decide_stepwise`].
     pub by: Vec<FormulaRef>,
 }
 
@@ -228,5 +229,17 @@ pub fn decide(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, 
 pub fn prove_stepwise(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, Limit> {
     prover::Prover::new(system, claim, limits)?
         .stepwise()
+        .prove()
+}
+
+/// Decides a claim like [`prove_stepwise`], but faster: the formulas that a discharge rests on are
+/// sufficient, but not minimal.
+///
+/// # Errors
+/// When a limit was reached.
+pub fn decide_stepwise(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, Limit> {
+    prover::Prover::new(system, claim, limits)?
+        .stepwise()
+        .quick()
         .prove()
 }

@@ -377,12 +377,13 @@ impl Store {
             key: Key::NONE,
             result: Link::TRUE,
         });
-        let slots = std::mem::take(&mut self.slots);
-        self.slots = vec![0; slots.len()];
-        for slot in slots {
-            if slot != 0 && self.nodes[slot as u32 as usize].level & MARK != 0 {
-                self.place(slot);
-            }
+        // The table is cleared in place: the pages of a new one would have to be mapped first.
+        let is_live =
+            |slot: &u64| *slot != 0 && self.nodes[*slot as u32 as usize].level & MARK != 0;
+        let live: Vec<u64> = self.slots.iter().copied().filter(is_live).collect();
+        self.slots.fill(0);
+        for slot in live {
+            self.place(slot);
         }
         self.free = 0;
         self.count = 0;
