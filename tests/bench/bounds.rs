@@ -132,11 +132,20 @@ mod bounds {
         let sum = folder.write("sum.spectra", &robot_arm(5, 16, Task::Sum, false));
         let amba8 = folder.write("amba8.slugsin", &amba(8, Format::Slugsin));
         let amba15 = folder.write("amba15.slugsin", &amba(15, Format::Slugsin));
-        let [anew, verdict, bounded, small, written, written_small] = [
+        let [
+            anew,
+            verdict,
+            bounded,
+            small,
+            smaller,
+            written,
+            written_small,
+        ] = [
             "check",
             "check --verdict-only",
             "check --memory 200 --timeout 3",
             "check --memory 100",
+            "check --memory 50",
             "synth --emit c --out OUT",
             "synth --emit c --out OUT --memory 200",
         ]
@@ -146,7 +155,7 @@ mod bounds {
             folder.case("records, 24 levels", &bounded, &deeper, (3.0, 200.0, 1)),
             folder.case("10,000 similar names", &bounded, &many, (3.0, 200.0, 0)),
             folder.case("200,000 lines, 100 MiB", &small, &long, (3.0, 110.0, 3)),
-            folder.case("genbuf200, 100 MiB", &small, &genbuf200, (10.0, 110.0, 3)),
+            folder.case("genbuf200, 50 MiB", &smaller, &genbuf200, (10.0, 60.0, 3)),
             folder.case("arm, C, 200 MiB", &written_small, &sum, (20.0, 220.0, 3)),
             folder.case("genbuf200, verdict", &verdict, &genbuf200, (40.0, 800.0, 0)),
             folder.case("amba15, verdict", &verdict, &amba15, (40.0, 800.0, 0)),
