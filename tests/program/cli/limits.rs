@@ -160,6 +160,32 @@ fn a_memory_limit_ends_in_a_message() {
     }
 }
 
+/// A verdict whose examination did not fit into memory is not as good as one without findings.
+#[test]
+fn an_examination_that_a_limit_stops_says_so() {
+    let session = Session::new();
+    let text = "contract Arbiter {
+    input r: array[12] of bool
+    output g: array[12] of bool
+    assume always forall i in r: (r[i] and not g[i] -> next r[i])
+    guarantee always ((count i in g: g[i]) <= 1)
+    guarantee forall i in g: always eventually (g[i] or not r[i])
+}
+";
+    std::fs::write(session.path("arbiter.lw"), text).expect("a file");
+    let mut stopped = 0;
+    for mib in 4..40 {
+        let printed = session.run(&format!("check arbiter.lw --no-cache --memory {mib}"));
+        let is_decided = printed.out.contains("Arbiter  12 in");
+        let says = printed.out.contains("the memory limit was reached");
+        let warned = "warning[LW204]: `Arbiter` was not examined completely";
+        stopped += u32::from(printed.out.contains(warned));
+        assert_eq!(printed.code == 3, says, "{mib}: {}", printed.out);
+        assert!(is_decided || says, "{mib}: {}", printed.out);
+    }
+    assert!(stopped > 0);
+}
+
 /// Parsing does not check the memory; a file that is too large for it still ends in a message, and
 /// so does every other command that reads it.
 #[test]
@@ -427,7 +453,7 @@ line L {
     }
     let _ = writeln!(line, "{way} -> k\n}}");
     std::fs::write(session.path("long.lw"), line).expect("a file");
-    let printed = session.run("check long.lw --no-timing --timeout 1");
+    let printed = session.run("check long.lw --no-timing --timeout 0.3");
     assert_eq!(printed.code, 3, "{}{}", printed.out, printed.err);
     assert!(
         printed.err.contains("the time limit was reached")

@@ -20,6 +20,8 @@ pub(super) struct Analysis {
     pub(super) realizable: bool,
     pub(super) core: Option<Vec<GuaranteeRef>>,
     pub(super) examined: ExaminationDepth,
+    /// The limit of the command that ended the examination.
+    pub(super) examination_limit: Option<Limit>,
     pub(super) environment: Option<EnvironmentFindings>,
     pub(super) shape: Option<WeaknessFindings>,
     pub(super) explanation: Option<Box<Explanation>>,
@@ -38,6 +40,7 @@ impl Analysis {
             realizable: false,
             core: None,
             examined: ExaminationDepth::Nothing,
+            examination_limit: None,
             environment: None,
             shape: None,
             explanation: None,
@@ -107,6 +110,9 @@ impl Analysis {
                 Controller::Functions(certified) => {
                     controller = Some(mealy::Controller::Functions(certified));
                 }
+            }
+            if let Some(limit) = self.examination_limit {
+                findings.push(not_examined(specification, job.span, limit));
             }
             if let Some(found) = &self.environment {
                 let examined = job.own.as_deref().unwrap_or(specification);
@@ -215,6 +221,15 @@ fn overflows(specification: &Specification) -> Vec<Diagnostic> {
             ))
         })
         .collect()
+}
+
+/// Finding for a realizable contract whose examination a limit of the command ended.
+fn not_examined(specification: &Specification, span: Span, limit: Limit) -> Diagnostic {
+    let name = &specification.name;
+    let message = format!("`{name}` was not examined completely: {limit}");
+    Diagnostic::warning(codes::GAVE_UP, span, message)
+        .with_help(help(limit))
+        .giving_up(true)
 }
 
 /// Reports a missing controller as a note, since the verdict is known; commands that need the

@@ -257,7 +257,13 @@ impl Task {
                     &limits.with_budget_after(won.work(), budget),
                 ),
             });
+            // Budgets end an examination silently: a second one would end in the same way.
+            let external = |limit: Limit| {
+                let limit = limits.with_budget(budget).attribute(limit);
+                Some(limit).filter(|limit| limit.is_external())
+            };
             let is_late = matches!(environment, Err(Limit::Stopped(_)));
+            known.examination_limit = environment.as_ref().err().copied().and_then(external);
             known.environment = environment.ok();
             if !is_late {
                 known.examined = ExaminationDepth::Plant;
@@ -273,6 +279,8 @@ impl Task {
                 if !is_late && !matches!(shape, Err(Limit::Stopped(_))) {
                     known.examined = ExaminationDepth::Whole;
                 }
+                let stopped_by = shape.as_ref().err().copied().and_then(external);
+                known.examination_limit = known.examination_limit.or(stopped_by);
                 known.shape = shape.ok();
             }
         }
@@ -320,6 +328,7 @@ impl Task {
         let known = Analysis {
             realizable: entry.realizable,
             core: entry.core,
+            examination_limit: None,
             examined: if examines {
                 entry.examined
             } else {
@@ -350,7 +359,8 @@ impl Task {
     /// The entry to store. `None` if a time or memory limit affected the result, or if its findings
     /// are only about the assumptions in the file.
     fn entry(&self, known: &Analysis) -> Option<Entry> {
-        if self.settings.limits.deadline.has_exceeded_memory() {
+        if self.settings.limits.deadline.has_exceeded_memory() || known.examination_limit.is_some()
+        {
             return None;
         }
         let (extracted, machine, functions) = match &known.controller {
