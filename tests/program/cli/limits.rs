@@ -355,14 +355,14 @@ mod interrupts {
         assert!(text(&output).contains(wanted), "{}", text(&output));
     }
 
-    /// Not only contracts are given up, but also proofs of lines, and runs. The proof takes some 20
-    /// s in a release build: it is interrupted long before its end.
+    /// Not only contracts are given up, but also proofs of lines, and runs. The proof takes
+    /// several seconds in a release build: it is interrupted long before its end.
     #[test]
     fn it_ends_proofs_and_runs() {
         let session = Session::new();
         super::joined(&session);
         let line = std::fs::read_to_string(session.path("joined.lw")).expect("a file");
-        let longer = line.replace("conveyor c2 places 4", "conveyor c2 places 8");
+        let longer = line.replace("conveyor c2 places 4", "conveyor c2 places 14");
         assert_ne!(longer, line);
         std::fs::write(session.path("joined.lw"), longer).expect("a file");
         for (command, wanted) in [

@@ -48,7 +48,7 @@ impl ClosedComposition<'_> {
                 last: kept.to_vec(),
                 broken,
             };
-            Ok(runs.find_violation(&query)?.is_none())
+            Ok(!runs.has_violation(&query)?)
         };
         let mut kept: Vec<usize> = (0..broken).collect();
         if !contradict(&kept)? {

@@ -481,7 +481,8 @@ impl<'a> Prover<'a> {
         rule: usize,
         component: Option<usize>,
     ) -> Result<bool, Limit> {
-        Ok(self.step(kept, rule, component)?.is_none())
+        let query = self.step_query(kept, rule, component);
+        Ok(!self.book.runs.has_violation(&query)?)
     }
 
     /// Returns a run that keeps the rules `kept` and whose last step breaks `rule`. If `rule` is an
@@ -493,15 +494,24 @@ impl<'a> Prover<'a> {
         rule: usize,
         component: Option<usize>,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        let query = self.step_query(kept, rule, component);
+        self.book.runs.find_violation(&query)
+    }
+
+    fn step_query(
+        &self,
+        kept: &[usize],
+        rule: usize,
+        component: Option<usize>,
+    ) -> SafetyViolationQuery {
         let definitions = self.book.definitions(kept.iter().copied().chain([rule]));
         let usable = |i: &usize| component.is_none_or(|component| self.is_usable(*i, component));
         let last = kept.iter().copied().filter(usable);
-        let query = SafetyViolationQuery {
+        SafetyViolationQuery {
             last: last.chain(definitions.iter().copied()).collect(),
             before: [kept, &definitions].concat(),
             broken: rule,
-        };
-        self.book.runs.find_violation(&query)
+        }
     }
 
     // ---- exported assumptions -------------------------------------------------------------------
@@ -544,26 +554,29 @@ impl<'a> Prover<'a> {
         let component = self.component_of(rule);
         let mut candidates = self.hypotheses();
         candidates.push(rule);
-        let violation = |p: &mut Self, kept: &[usize]| {
+        let query = |p: &Self, kept: &[usize]| {
             // In the last step, the assumption has to be proved, so it is left out.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
             let last = kept
                 .iter()
                 .copied()
                 .filter(|i| *i != rule && p.is_usable(*i, component));
-            let query = SafetyViolationQuery {
+            SafetyViolationQuery {
                 last: last.chain(definitions.iter().copied()).collect(),
                 before: [kept, &definitions].concat(),
                 broken: weaker,
-            };
-            p.book.runs.find_violation(&query)
+            }
         };
-        let mut holds = |p: &mut Self, kept: &[usize]| Ok(violation(p, kept)?.is_none());
+        let mut holds = |p: &mut Self, kept: &[usize]| {
+            let query = query(p, kept);
+            Ok(!p.book.runs.has_violation(&query)?)
+        };
         let by = if let Some(by) = self.minimal(weaker, &candidates, ALL, &mut holds)? {
             by
         } else {
             let all = self.with_assumptions(candidates);
-            if let Some(trace) = violation(self, &all)? {
+            let query = query(self, &all);
+            if let Some(trace) = self.book.runs.find_violation(&query)? {
                 return Ok(Err(Some(Refutation::Trace(trace))));
             }
             self.minimize(&all, &mut holds)?

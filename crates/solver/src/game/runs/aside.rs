@@ -9,7 +9,7 @@
 //! repeats its last step once it may take four times as much.
 
 use super::fair;
-use super::rule_encoder::Steps;
+use super::steps::Steps;
 use crate::symbolic::{Kernel, Limit, Limits};
 
 /// Work that a side search may take before the exploration has taken any.

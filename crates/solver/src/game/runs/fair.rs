@@ -5,7 +5,7 @@
 //! Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z
 //! ```
 
-use super::rule_encoder::Steps;
+use super::steps::Steps;
 use crate::symbolic::{Kernel, Limit};
 
 /// Returns the states of `within` from which some infinite run stays in `within` and meets all of

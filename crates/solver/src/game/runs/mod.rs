@@ -15,7 +15,9 @@
 mod aside;
 mod fair;
 mod path;
+mod reached;
 mod rule_encoder;
+mod steps;
 
 use super::structure::{self, Orientation};
 use crate::symbolic::{Biodivine, Encoding, Kernel, Limit, Limits, Order, SharedStore};
@@ -24,6 +26,7 @@ use linewright_core::gr1::{
 };
 use linewright_core::source::Span;
 use rule_encoder::RuleEncoder;
+use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
@@ -47,7 +50,7 @@ pub struct Lasso {
 }
 
 /// Required properties of an infinite run. Rules are given by their index in [`Runs::rules`].
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct RunQuery {
     /// Initial conditions, invariants and safety that the run keeps.
     pub keep: Vec<usize>,
@@ -79,6 +82,8 @@ pub struct Runs {
     order: Order,
     limits: Limits,
     engine: Box<dyn Engine>,
+    /// Answers of [`Self::has_lasso`]. A prover repeats many of its questions.
+    has_lasso: FxHashMap<RunQuery, bool>,
     /// Work done on the small kernel before the switch to the large one.
     earlier_work: u64,
 }
@@ -95,6 +100,7 @@ trait Engine: Debug + Send {
         rules: &[Rule],
         query: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit>;
+    fn has_step(&mut self, rules: &[Rule], query: &SafetyViolationQuery) -> Result<bool, Limit>;
     fn depends(
         &mut self,
         rules: &[Rule],
@@ -135,6 +141,7 @@ impl Runs {
             order,
             limits: *limits,
             engine,
+            has_lasso: FxHashMap::default(),
             earlier_work: 0,
         })
     }
@@ -199,12 +206,17 @@ impl Runs {
     }
 
     /// Whether a run with these properties exists. Cheaper than [`Runs::find_lasso`], since no run
-    /// is extracted.
+    /// is extracted. A repeated query is answered at once.
     ///
     /// # Errors
     /// Returns the limit that was reached.
     pub fn has_lasso(&mut self, query: &RunQuery) -> Result<bool, Limit> {
-        self.run_query(|engine, rules| engine.has_lasso(rules, query))
+        if let Some(known) = self.has_lasso.get(query) {
+            return Ok(*known);
+        }
+        let found = self.run_query(|engine, rules| engine.has_lasso(rules, query))?;
+        self.has_lasso.insert(query.clone(), found);
+        Ok(found)
     }
 
     /// Returns a shortest run whose last step breaks the rule; `None` if no step can break it.
@@ -216,6 +228,15 @@ impl Runs {
         query: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         self.run_query(|engine, rules| engine.step(rules, query))
+    }
+
+    /// Whether some step can break the rule. Cheaper than [`Runs::find_violation`], since no run is
+    /// extracted.
+    ///
+    /// # Errors
+    /// Returns the limit that was reached.
+    pub fn has_violation(&mut self, query: &SafetyViolationQuery) -> Result<bool, Limit> {
+        self.run_query(|engine, rules| engine.has_step(rules, query))
     }
 
     /// Returns the number of states reachable under these rules. A state is a valuation of the
@@ -258,6 +279,10 @@ impl<K: Kernel> Engine for RuleEncoder<K> {
         query: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         self.find_violation(rules, query)
+    }
+
+    fn has_step(&mut self, rules: &[Rule], query: &SafetyViolationQuery) -> Result<bool, Limit> {
+        self.violation_exists(rules, query)
     }
 
     fn depends(

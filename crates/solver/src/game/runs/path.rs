@@ -6,7 +6,8 @@
 //! final component, every state leads back, and every justice formula is met somewhere.
 
 use super::Lasso;
-use super::rule_encoder::{ReachableStates, Steps};
+use super::reached::ReachableStates;
+use super::steps::Steps;
 use crate::symbolic::{Encoding, Kernel, Limit};
 use linewright_core::gr1::{Time, VarId};
 use std::collections::BTreeSet;
@@ -18,7 +19,7 @@ pub struct Path<'a> {
     /// Variables that the query mentions.
     pub variables: &'a BTreeSet<VarId>,
     /// Smallest value of every variable; used for those that the query does not mention.
-    pub smallest: &'a [i64],
+    pub smallest: Vec<i64>,
 }
 
 /// A state: the values of all variables, and the function over the mentioned variables that holds
@@ -35,7 +36,7 @@ impl Path<'_> {
         let Some(bits) = m.witness(states) else {
             return Ok(None);
         };
-        let mut values = self.smallest.to_vec();
+        let mut values = self.smallest.clone();
         let mut literals = Vec::new();
         for v in self.variables {
             values[v.index()] = self.encoding.value(*v, Time::Now, &bits);
@@ -51,17 +52,19 @@ impl Path<'_> {
         Ok(state.expect("the set of states is empty; please report this"))
     }
 
-    /// Returns a run from step 0 to a state of `goal`, which is a nonempty subset of the ring with
-    /// the number `ring`.
-    pub fn back_to_start<K: Kernel>(
+    /// Returns a shortest run from step 0 to a state of `goal`.
+    ///
+    /// # Panics
+    /// When no state of the goal is reachable.
+    pub fn run_to<K: Kernel>(
         &self,
-        reached: &ReachableStates<K>,
-        ring: usize,
+        reached: &mut ReachableStates<K>,
         goal: &K::Function,
     ) -> Result<Vec<State<K::Function>>, Limit> {
+        let (rings, here) = reached.rings_to(goal)?;
         let m = &reached.steps.m;
-        let mut run = vec![self.some(m, goal)?];
-        for ring in reached.rings[..ring].iter().rev() {
+        let mut run = vec![self.some(m, &here)?];
+        for ring in rings.iter().rev() {
             let (_, last) = &run[run.len() - 1];
             let before = m.and(ring, &reached.steps.before(last)?)?;
             run.push(self.some(m, &before)?);
@@ -135,23 +138,13 @@ impl Path<'_> {
     /// meets all of `again`.
     pub fn lasso<K: Kernel>(
         &self,
-        reached: &ReachableStates<K>,
+        reached: &mut ReachableStates<K>,
         steps: &Steps<K>,
         fair: &K::Function,
         again: &[K::Function],
     ) -> Result<Lasso, Limit> {
         let m = &steps.m;
-        let mut first = None;
-        for (place, ring) in reached.rings.iter().enumerate() {
-            let here = m.and(ring, fair)?;
-            if !m.is_false(&here) {
-                first = Some((place, here));
-                break;
-            }
-        }
-        let (ring, here) = first.expect("no fair state is reachable; please report this");
-        let run = self.back_to_start(reached, ring, &here)?;
-        let mut prefix: Vec<State<K::Function>> = run;
+        let mut prefix = self.run_to(reached, fair)?;
 
         // Moves on until all reachable fair states lead back.
         let mut component;

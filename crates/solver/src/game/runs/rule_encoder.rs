@@ -1,18 +1,14 @@
 //! Encodes rules as functions of bits, and answers queries with them.
 
-use super::aside::{Allowance, BackwardSearch, excludes_cycle};
+use super::aside::{Allowance, excludes_cycle};
 use super::path::Path;
+use super::reached::ReachableStates;
+use super::steps::{Steps, relations};
 use super::{Lasso, Rule, RunQuery, SafetyViolationQuery, fair, smallest};
-use crate::game::clusters::Clustering;
-use crate::game::heuristics::Heuristics;
-use crate::game::relation::Relation;
-use crate::symbolic::{BitSet, Encoding, Kernel, Limit, Limits, Order};
+use crate::symbolic::{Encoding, Kernel, Limit, Limits, Order};
 use linewright_core::gr1::{Expr, FormulaKind, Specification, Time, VarId, Variable};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
-
-/// How the parts of a relation are combined.
-const CLUSTERING: Clustering = Clustering::ByBits(3_000);
 
 /// Number of rings after which the first search for a cycle takes place, before all rings are
 /// known.
@@ -22,7 +18,7 @@ const FIRST_SEARCH: usize = 6;
 const SEARCH_FACTOR: usize = 6;
 
 /// Number of cached sets of reachable states.
-const CACHED_SETS: usize = 24;
+const CACHED_SETS: usize = 64;
 
 /// The rules as functions, encoded on first use, with a cache of reachable states.
 #[derive(Debug)]
@@ -36,38 +32,14 @@ pub struct RuleEncoder<K: Kernel> {
     reached: Vec<(Vec<usize>, ReachableStates<K>)>,
 }
 
-/// The step relation of a query's rules.
-#[derive(Debug, Clone)]
-pub struct Steps<K: Kernel> {
-    /// The kernel.
-    pub m: K,
-    /// States that satisfy the invariants and domains.
-    pub states: K::Function,
-    /// States of step 0.
-    pub initial: K::Function,
-    /// Conjuncts of the relation: safety, and the invariants and domains of the next step.
-    parts: Vec<K::Function>,
-    /// Relation for forward steps; quantifies current bits.
-    forward: Relation<K>,
-    /// Relation for backward steps; quantifies next bits.
-    backward: Relation<K>,
-    /// Current bits of the mentioned variables.
-    pub now: BitSet,
-    /// Next bits of the mentioned variables.
-    pub next: BitSet,
-}
-
-/// Reachable states by number of steps.
-#[derive(Debug, Clone)]
-pub struct ReachableStates<K: Kernel> {
-    /// The step relation of the query.
-    pub steps: Steps<K>,
-    /// The states that are first reached after 0, 1, 2, ... steps.
-    pub rings: Vec<K::Function>,
-    /// All reachable states so far.
-    pub all: K::Function,
-    /// Whether all reachable states have been found.
-    pub complete: bool,
+/// Where a rule can be violated for the first time.
+enum Violation<K: Kernel> {
+    /// In step 0, which has these values.
+    AtStart(Vec<i64>),
+    /// In these states, some of which are reachable.
+    In(K::Function),
+    /// In a step of this relation from these states, some of which are reachable.
+    After(K::Function, Box<Steps<K>>),
 }
 
 /// A prepared query about infinite runs.
@@ -97,130 +69,6 @@ impl<K: Kernel> LassoSearch<K> {
         }
         Ok(excluded == Some(true))
     }
-}
-
-impl<K: Kernel> ReachableStates<K> {
-    /// Computes the next ring; returns false if there are no new states.
-    fn grow(&mut self) -> Result<bool, Limit> {
-        if self.complete {
-            return Ok(false);
-        }
-        let m = &self.steps.m;
-        let last = &self.rings[self.rings.len() - 1];
-        let new = m.and_not(&self.steps.after(last)?, &self.all)?;
-        if m.is_false(&new) {
-            self.complete = true;
-            return Ok(false);
-        }
-        self.all = m.or(&self.all, &new)?;
-        self.rings.push(new);
-        self.steps.m.safe_point()?;
-        Ok(true)
-    }
-
-    /// Like [`Self::grow`], with the work recorded in the allowance of a side search.
-    fn grow_with(&mut self, allowance: &mut Allowance) -> Result<bool, Limit> {
-        let before = self.steps.m.work();
-        let more = self.grow()?;
-        allowance.add(self.steps.m.work() - before);
-        Ok(more)
-    }
-
-    /// Returns the number of the first ring that contains states of `goal`, and these states;
-    /// `None` if no state of the goal is reachable.
-    fn find(&mut self, goal: &K::Function) -> Result<Option<(usize, K::Function)>, Limit> {
-        let m = self.steps.m.clone();
-        for (number, ring) in self.rings.iter().enumerate() {
-            let here = m.and(ring, goal)?;
-            if !m.is_false(&here) {
-                return Ok(Some((number, here)));
-            }
-        }
-        let mut backward = Some(BackwardSearch::new(goal));
-        let mut allowance = Allowance::new();
-        loop {
-            if let Some(search) = &mut backward
-                && allowance.is_due()
-                && !self.complete
-            {
-                match search.step(&self.steps, &mut allowance)? {
-                    Some(false) => return Ok(None),
-                    // A reachable state leads to the goal: only the exploration can tell how soon.
-                    Some(true) if search.meets(&m, &self.all)? => backward = None,
-                    Some(true) | None => {}
-                }
-                continue;
-            }
-            if !self.grow_with(&mut allowance)? {
-                return Ok(None);
-            }
-            let here = m.and(&self.rings[self.rings.len() - 1], goal)?;
-            if !m.is_false(&here) {
-                return Ok(Some((self.rings.len() - 1, here)));
-            }
-        }
-    }
-}
-
-impl<K: Kernel> Steps<K> {
-    /// Returns the successors of these states.
-    pub fn after(&self, states: &K::Function) -> Result<K::Function, Limit> {
-        self.m.unprime(&self.forward.product(&self.m, states)?)
-    }
-
-    /// Returns the states after these steps.
-    pub fn after_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
-        self.m.unprime(&self.forward.product(&self.m, steps)?)
-    }
-
-    /// Returns the predecessors of these states.
-    pub fn before(&self, states: &K::Function) -> Result<K::Function, Limit> {
-        self.before_step(&self.m.prime(states)?)
-    }
-
-    /// Returns the states from which one of these steps is possible.
-    pub fn before_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
-        let found = self.backward.product(&self.m, steps)?;
-        self.m.and(&self.states, &found)
-    }
-
-    /// Returns the relation restricted to these steps.
-    pub fn only(&self, steps: &K::Function) -> Result<Self, Limit> {
-        if self.m.is_true(steps) {
-            return Ok(self.clone());
-        }
-        let mut parts = self.parts.clone();
-        parts.push(steps.clone());
-        self.with_parts(parts)
-    }
-
-    /// Returns the same relation on another handle of the same kernel.
-    pub fn on(&self, m: K) -> Self {
-        Self { m, ..self.clone() }
-    }
-
-    fn with_parts(&self, parts: Vec<K::Function>) -> Result<Self, Limit> {
-        let (forward, backward) = relations(&self.m, &parts, &self.now, &self.next)?;
-        Ok(Self {
-            parts,
-            forward,
-            backward,
-            ..self.clone()
-        })
-    }
-}
-
-fn relations<K: Kernel>(
-    m: &K,
-    parts: &[K::Function],
-    now: &BitSet,
-    next: &BitSet,
-) -> Result<(Relation<K>, Relation<K>), Limit> {
-    let heuristics = Heuristics::default();
-    Ok((
-        Relation::new(m, parts, now, CLUSTERING, heuristics)?,
-        Relation::new(m, parts, next, CLUSTERING, heuristics)?,
-    ))
 }
 
 impl<K: Kernel> RuleEncoder<K> {
@@ -362,14 +210,7 @@ impl<K: Kernel> RuleEncoder<K> {
             return Ok(self.reached.remove(place));
         }
         let steps = self.steps(rules, keep, variables)?;
-        let first = steps.initial.clone();
-        let reached = ReachableStates {
-            all: first.clone(),
-            rings: vec![first],
-            complete: false,
-            steps,
-        };
-        Ok((key, reached))
+        Ok((key, ReachableStates::new(steps)))
     }
 
     /// Puts reachable states into the cache.
@@ -421,7 +262,7 @@ impl<K: Kernel> RuleEncoder<K> {
                 break;
             }
             let more = search.reached.grow_with(&mut allowance)?;
-            if search.reached.rings.len() == next_search {
+            if search.reached.depth == next_search {
                 next_search *= SEARCH_FACTOR;
                 fair = fair::fair(steps, &search.reached.all, again)?;
             } else if !more {
@@ -438,9 +279,8 @@ impl<K: Kernel> RuleEncoder<K> {
         let found = if m.is_false(&fair) {
             None
         } else {
-            let smallest = smallest(&self.variables);
-            let path = self.path(&search.variables, &smallest);
-            Some(path.lasso(&search.reached, steps, &fair, again)?)
+            let path = self.path(&search.variables);
+            Some(path.lasso(&mut search.reached, steps, &fair, again)?)
         };
         self.store(search.key, search.reached);
         Ok(found)
@@ -457,7 +297,7 @@ impl<K: Kernel> RuleEncoder<K> {
                 break;
             }
             let more = search.reached.grow_with(&mut allowance)?;
-            if !more || search.reached.rings.len() == FIRST_SEARCH {
+            if !more || search.reached.depth == FIRST_SEARCH {
                 past = fair::past(&search.steps, &search.reached.all, &search.again)?;
             }
             if !more || !self.m.is_false(&past) {
@@ -522,65 +362,89 @@ impl<K: Kernel> RuleEncoder<K> {
         rules: &[Rule],
         query: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        self.with_violation(rules, query, |encoder, variables, reached, violation| {
+            let path = encoder.path(variables);
+            let states = match violation {
+                Violation::AtStart(values) => return Ok(vec![values]),
+                Violation::In(states) => path.run_to(reached, &states)?,
+                Violation::After(states, last) => {
+                    let mut run = path.run_to(reached, &states)?;
+                    let (_, at) = &run[run.len() - 1];
+                    let end = path.state(&encoder.m, &last.after(at)?)?;
+                    run.push(end.expect("the last step does not exist; please report this"));
+                    run
+                }
+            };
+            Ok(states.into_iter().map(|(values, _)| values).collect())
+        })
+    }
+
+    /// See [`super::Runs::has_violation`].
+    pub fn violation_exists(
+        &mut self,
+        rules: &[Rule],
+        query: &SafetyViolationQuery,
+    ) -> Result<bool, Limit> {
+        let found = self.with_violation(rules, query, |_, _, _, _| Ok(()))?;
+        Ok(found.is_some())
+    }
+
+    /// Searches for the first violation and, if there is one, extracts something from it.
+    fn with_violation<T>(
+        &mut self,
+        rules: &[Rule],
+        query: &SafetyViolationQuery,
+        extract: impl FnOnce(
+            &Self,
+            &BTreeSet<VarId>,
+            &mut ReachableStates<K>,
+            Violation<K>,
+        ) -> Result<T, Limit>,
+    ) -> Result<Option<T>, Limit> {
         let all = query
             .before
             .iter()
             .chain(&query.last)
             .chain([&query.broken]);
         let variables = Self::mentioned(rules, all.copied());
+        let kind = rules[query.broken].kind;
         let broken = self.broken(rules, query.broken)?;
         let (key, mut reached) = self.reach(rules, &query.before, &variables)?;
         let same_rules = query.before == query.last;
-        let is_invariant = rules[query.broken].kind == FormulaKind::Invariant;
-        let run = if same_rules && is_invariant {
-            self.find_state(&variables, &mut reached, &broken)?
+        let violation = if same_rules && kind == FormulaKind::Invariant {
+            reached.meets(&broken)?.then(|| Violation::In(broken))
         } else {
             let last = if same_rules {
                 reached.steps.clone()
             } else {
                 self.steps(rules, &query.last, &variables)?
             };
-            let kind = rules[query.broken].kind;
-            self.find_step(&variables, &mut reached, &last, (kind, &broken))?
+            self.violating_step(&variables, &mut reached, &last, (kind, &broken))?
+        };
+        let extracted = match violation {
+            Some(violation) => Some(extract(self, &variables, &mut reached, violation)?),
+            None => None,
         };
         self.store(key, reached);
-        Ok(run)
+        Ok(extracted)
     }
 
-    /// Returns a shortest run to a state that breaks an invariant. Used for queries whose last step
-    /// keeps the same rules as all other steps.
-    fn find_state(
-        &self,
-        variables: &BTreeSet<VarId>,
-        reached: &mut ReachableStates<K>,
-        broken: &K::Function,
-    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        let Some((ring, here)) = reached.find(broken)? else {
-            return Ok(None);
-        };
-        let smallest = smallest(&self.variables);
-        let path = self.path(variables, &smallest);
-        let run = path.back_to_start(reached, ring, &here)?;
-        Ok(Some(run.into_iter().map(|(v, _)| v).collect()))
-    }
-
-    /// Returns a shortest run whose last step belongs to `last` and breaks the rule, given by its
-    /// kind and the valuations that break it.
-    fn find_step(
+    /// Returns the first violation in a step of `last`. The rule is given by its kind and the
+    /// valuations that break it.
+    fn violating_step(
         &self,
         variables: &BTreeSet<VarId>,
         reached: &mut ReachableStates<K>,
         last: &Steps<K>,
         (kind, broken): (FormulaKind, &K::Function),
-    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+    ) -> Result<Option<Violation<K>>, Limit> {
         let m = &self.m;
         let bad = match kind {
             FormulaKind::Safety | FormulaKind::Justice => broken.clone(),
             FormulaKind::Initial | FormulaKind::Invariant => {
                 let at_once = m.and(&last.initial, broken)?;
-                let smallest = smallest(&self.variables);
-                if let Some(first) = self.path(variables, &smallest).state(m, &at_once)? {
-                    return Ok(Some(vec![first.0]));
+                if let Some((first, _)) = self.path(variables).state(m, &at_once)? {
+                    return Ok(Some(Violation::AtStart(first)));
                 }
                 if kind == FormulaKind::Initial {
                     return Ok(None);
@@ -591,19 +455,18 @@ impl<K: Kernel> RuleEncoder<K> {
         // Uses the backward relation without `last.states`, because an invariant that only the last
         // step keeps does not restrict the states before that step.
         let from = last.backward.product(m, &bad)?;
-        let Some((ring, here)) = reached.find(&from)? else {
+        if !reached.meets(&from)? {
             return Ok(None);
-        };
-        let last = last.only(&bad)?;
-        self.run_with_last_step(variables, reached, (ring, &here), &last)
-            .map(Some)
+        }
+        let last = Box::new(last.only(&bad)?);
+        Ok(Some(Violation::After(from, last)))
     }
 
-    fn path<'a>(&'a self, variables: &'a BTreeSet<VarId>, smallest: &'a [i64]) -> Path<'a> {
+    fn path<'a>(&'a self, variables: &'a BTreeSet<VarId>) -> Path<'a> {
         Path {
             encoding: &self.encoding,
             variables,
-            smallest,
+            smallest: smallest(&self.variables),
         }
     }
 
@@ -616,28 +479,5 @@ impl<K: Kernel> RuleEncoder<K> {
         let bits = reached.steps.now.iter().count();
         self.store(key, reached);
         Ok(share * 2f64.powi(i32::try_from(bits).unwrap_or(i32::MAX)))
-    }
-
-    /// Returns a run to a state of `here`, which is a subset of the ring with the number `ring`,
-    /// followed by a step of `last`.
-    fn run_with_last_step(
-        &self,
-        variables: &BTreeSet<VarId>,
-        reached: &ReachableStates<K>,
-        (ring, here): (usize, &K::Function),
-        last: &Steps<K>,
-    ) -> Result<Vec<Vec<i64>>, Limit> {
-        let path = Path {
-            encoding: &self.encoding,
-            variables,
-            smallest: &smallest(&self.variables),
-        };
-        let run = path.back_to_start(reached, ring, here)?;
-        let (_, at) = &run[run.len() - 1];
-        let end = path.state(&self.m, &last.after(at)?)?;
-        let (end, _) = end.expect("the last step does not exist; please report this");
-        let mut values: Vec<Vec<i64>> = run.into_iter().map(|(v, _)| v).collect();
-        values.push(end);
-        Ok(values)
     }
 }

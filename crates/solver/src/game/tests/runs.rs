@@ -106,3 +106,51 @@ fn a_cycle_that_exists_nowhere_is_excluded() {
         assert!(matches!(found, Err(Limit::Work(_))), "{found:?}");
     }
 }
+
+/// The rings of this exploration are so large that they are not kept: `x` starts at `y * y`, and
+/// the sets of pairs have about 700 nodes.
+#[test]
+fn runs_are_found_although_the_rings_were_dropped() {
+    let mut variables = variables(12);
+    variables[1].domain = Domain::Range { low: 0, high: 63 };
+    let (x, y) = (COUNT, FLAG);
+    let square = Expr::binary(BinaryOp::Mul, Expr::now(y), Expr::now(y));
+    let mut rules = counting(12);
+    rules[0].expr = Expr::now(x).equals(square);
+    let mut add = |kind, expr| {
+        rules.push(Rule { kind, expr });
+        rules.len() - 1
+    };
+    let is_at = |at: i64, of: i64| {
+        Expr::now(x)
+            .equals(Expr::Const(at))
+            .and(Expr::now(y).equals(Expr::Const(of)))
+    };
+    let stays = add(FormulaKind::Safety, Expr::next(y).equals(Expr::now(y)));
+    let goals = [(105, 10), (2525, 50), (3630, 60)];
+    let broken = goals.map(|(at, of)| add(FormulaKind::Invariant, is_at(at, of).not()));
+    let again = add(FormulaKind::Justice, is_at(4095, 63));
+
+    let mut runs = Runs::new(&variables, rules, &Limits::default()).expect("few bits");
+    let keep = vec![0, 1, stays];
+    let query = |broken| SafetyViolationQuery {
+        before: keep.clone(),
+        last: keep.clone(),
+        broken,
+    };
+    for ((at, of), broken) in goals.into_iter().zip(broken).rev() {
+        assert_eq!(runs.has_violation(&query(broken)), Ok(true));
+        let run = runs.find_violation(&query(broken)).unwrap();
+        let expected = (of * of..=at).map(|x| vec![x, of]).collect();
+        assert_eq!(run, Some(expected));
+    }
+    let lasso = runs.find_lasso(&RunQuery {
+        keep: keep.clone(),
+        infinitely_often: vec![again],
+        finitely_often: Vec::new(),
+    });
+    // The counter goes round.
+    let lasso = lasso.unwrap().expect("a run");
+    assert_eq!((lasso.prefix.len(), lasso.cycle.len()), (0, 4096));
+    assert_eq!(lasso.cycle[0], [63 * 63, 63]);
+}
