@@ -1,11 +1,12 @@
 //! The givens and proof obligations of a closed composition as numbered rules.
 
-use super::table::{StepCondition, Table, any, conjunction};
+use super::table::{StepCondition, Table, conjunction};
 use super::{ClosedComposition, Form};
-use crate::proof::Exports;
+use crate::proof::{Exports, latest};
 use crate::system::{FormulaRef, rule};
-use linewright_core::gr1::{Expr, Formula, FormulaKind, Side, Time, VarId};
+use linewright_core::gr1::{Expr, Formula, FormulaKind, Side, Time, Timing, VarId};
 use linewright_solver::game::Rule;
+use std::collections::BTreeSet;
 
 /// An obligation of a component in a step, which has to be met before the component answers or
 /// advances.
@@ -55,6 +56,8 @@ pub(super) struct RuleSet {
     pub tables: Vec<Option<[[usize; 2]; 2]>>,
     /// Rules that hold even in a step with errors.
     pub last: Vec<usize>,
+    /// For each component: those of `last` that say how it answers.
+    answers: Vec<Vec<usize>>,
     /// Justice rules of the environment.
     pub environment_justice: Vec<usize>,
     /// Obligations of the components, in the order in which they are examined in a step.
@@ -72,6 +75,7 @@ impl RuleSet {
     pub fn new(closed: &ClosedComposition<'_>) -> Self {
         let mut book = Self {
             tables: vec![None; closed.participants.len()],
+            answers: vec![Vec::new(); closed.participants.len()],
             ..Self::default()
         };
         book.add_environment(closed);
@@ -185,6 +189,7 @@ impl RuleSet {
         self.keep.extend(strict);
         let loose = self.add_condition(transitions.or(table.has_row().not()));
         self.last.extend(loose);
+        self.answers[component].extend(loose);
         self.tables[component] = Some([strict, loose]);
         self.justice.push(ComponentJustice::default());
     }
@@ -214,6 +219,7 @@ impl RuleSet {
                     later: later.clone().implies(condition.later).simplify(),
                 });
                 self.last.extend(loose);
+                self.answers[component].extend(loose);
             }
         }
         let guaranteed = guarantees
@@ -282,16 +288,60 @@ impl RuleSet {
 
     /// Adds rules that hold as long as all obligations are met, and returns their numbers.
     pub fn no_error(&mut self) -> [usize; 2] {
-        let broken = self.obligations.iter().filter(|o| !o.condition.is_true());
-        let (first, later) = broken
-            .map(|o| o.condition.clone().not())
-            .map(|condition| (condition.first, condition.later))
+        self.all_met(|_| true)
+    }
+
+    /// Adds rules that hold as long as a component's obligations are met. Returns their numbers,
+    /// and the rules of `last` without the answers of components that it does not wait for in a
+    /// step.
+    pub fn no_error_of(
+        &mut self,
+        closed: &ClosedComposition<'_>,
+        component: usize,
+    ) -> ([usize; 2], Vec<usize>) {
+        let rules = self.all_met(|of| of == component);
+        let mut waits_for = BTreeSet::new();
+        let mut open = rules.to_vec();
+        while let Some(rule) = open.pop() {
+            for driver in self.drivers(closed, rule) {
+                if driver != component && waits_for.insert(driver) {
+                    open.extend(&self.answers[driver]);
+                }
+            }
+        }
+        let others = self.answers.iter().enumerate();
+        let unread: BTreeSet<usize> = others
+            .filter(|(other, _)| !waits_for.contains(other))
+            .flat_map(|(_, answers)| answers.iter().copied())
+            .collect();
+        let last = self.last.iter().filter(|rule| !unread.contains(rule));
+        (rules, last.copied().collect())
+    }
+
+    fn all_met(&mut self, of: impl Fn(usize) -> bool) -> [usize; 2] {
+        let obligations = self.obligations.iter().filter(|o| of(o.component));
+        let (first, later) = obligations
+            .map(|o| (o.condition.first.clone(), o.condition.later.clone()))
             .unzip();
-        let all = StepCondition {
-            first: any(first),
-            later: any(later),
+        self.add_condition(StepCondition {
+            first: conjunction(first),
+            later: conjunction(later),
+        })
+    }
+
+    /// Returns the components that have to answer before the rule can be checked in a step. A table
+    /// that answers first does not count: its outputs are those of its state.
+    fn drivers(&self, closed: &ClosedComposition<'_>, rule: usize) -> BTreeSet<usize> {
+        let Rule { kind, expr } = &self.rules[rule];
+        let answers_late = |driver: &usize| {
+            let table = closed.table(*driver);
+            table.is_none_or(|table| table.machine.timing == Timing::Mealy)
         };
-        self.add_condition(all.not())
+        let read = latest(expr, *kind).into_iter();
+        read.filter_map(|v| closed.system.driver(v))
+            // The system can have components without a controller, which only define monitors.
+            .filter(|driver| *driver < self.answers.len() && answers_late(driver))
+            .collect()
     }
 }
 
