@@ -137,9 +137,28 @@ pub fn prove_machine(
     let machine = controlled.machine.abstraction();
     let (system, claim) = of_machine(machine);
     let closed = ClosedComposition::of_machine(controlled.machine, &controlled.controllers);
-    let decided = within("putting its controllers together", || {
-        prover.decide_closed(&closed)
-    });
+    let flat = &controlled.machine.refines;
+    let refined: Vec<(&RefinedContract, (System, Claim))> = machine
+        .refines
+        .iter()
+        .map(|contract| (contract, of_refined_contract(machine, contract)))
+        .collect();
+    let (decided, (proof, refinements)) = rayon::join(
+        || {
+            within("putting its controllers together", || {
+                prover.decide_closed(&closed)
+            })
+        },
+        || {
+            within("proving it from its contracts", || {
+                let proof = prover.prove_stepwise(&system, &claim);
+                let claims = refined.iter();
+                let refinements =
+                    claims.map(|(_, (system, claim))| prover.prove_stepwise(system, claim));
+                (proof, refinements.collect::<Vec<_>>())
+            })
+        },
+    );
     let states = if state_count == StateCount::Wanted && decided.is_ok() {
         prover.count_states(&closed).ok()
     } else {
@@ -164,7 +183,7 @@ pub fn prove_machine(
         verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
         walked: &walked,
     };
-    match prover.prove_stepwise(&system, &claim) {
+    match proof {
         Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
         Err(limit) => {
             // This finding also covers whatever the controllers leave undecided.
@@ -203,15 +222,15 @@ pub fn prove_machine(
         result.findings.extend(others);
     }
     cut_short(machine.span, machine, &decided, &mut result.findings);
-    for (refined_contract, flat) in machine.refines.iter().zip(&controlled.machine.refines) {
-        let refined = refines(
-            controlled,
-            refined_contract,
+    for (((contract, (system, claim)), proof), flat) in refined.iter().zip(refinements).zip(flat) {
+        let refinement = Refinement {
+            contract,
             flat,
-            prover,
-            &mut result.findings,
-        );
-        result.refines.push(refined);
+            system,
+            claim,
+        };
+        let entry = refines(controlled, &refinement, proof, prover, &mut result.findings);
+        result.refines.push(entry);
     }
     for finding in &mut result.findings {
         if [codes::ASSUMPTION_UNDISCHARGED, codes::GUARANTEE_UNPROVED].contains(&finding.code) {
@@ -448,21 +467,30 @@ fn closed_verdict(decided: &Result<Verdict, Limit>) -> ClosedVerdict {
     }
 }
 
-/// Checks a contract that the machine is declared to refine. `refined_contract` refers to the wires
-/// of the proof, `flat` to those of all layers. If the components' contracts do not prove the
-/// refinement, the controllers are tried.
+/// The claim that a machine keeps a contract that it is declared to refine.
+struct Refinement<'a> {
+    /// The contract, over the wires of the proof.
+    contract: &'a RefinedContract,
+    /// The contract, over the wires of all layers.
+    flat: &'a RefinedContract,
+    system: &'a System,
+    claim: &'a Claim,
+}
+
+/// Reports on a contract that the machine is declared to refine. If the components' contracts do
+/// not prove the refinement, the controllers are tried.
 fn refines(
     controlled: &ControlledMachine<'_>,
-    refined_contract: &RefinedContract,
-    flat: &RefinedContract,
+    refinement: &Refinement<'_>,
+    proof: Result<Proof, Limit>,
     prover: Prover<'_>,
     findings: &mut Vec<Diagnostic>,
 ) -> RefinesEntry {
     let machine = controlled.machine.abstraction();
-    let (system, claim): (System, Claim) = of_refined_contract(machine, refined_contract);
+    let refined_contract = refinement.contract;
     let printer = ProofPrinter {
-        system: &system,
-        claim: &claim,
+        system: refinement.system,
+        claim: refinement.claim,
         whole: &refined_contract.contract,
     };
     let mut refined = RefinesEntry {
@@ -471,7 +499,7 @@ fn refines(
         closed: None,
         discharges: Vec::new(),
     };
-    match prover.prove_stepwise(&system, &claim) {
+    match proof {
         Ok(proof) if proof.holds() => {
             let entries = proof.discharges.iter();
             refined.discharges = entries.map(|d| discharge_entry(printer, d)).collect();
@@ -480,7 +508,7 @@ fn refines(
             let closed = ClosedComposition::of_refined_contract(
                 controlled.machine,
                 &controlled.controllers,
-                flat,
+                refinement.flat,
             );
             let decided = prover.decide_closed(&closed);
             refined.closed = Some(closed_verdict(&decided));
