@@ -33,7 +33,7 @@ pub fn past<K: Kernel>(
     again: &[K::Function],
 ) -> Result<K::Function, Limit> {
     let one = |states: &K::Function| steps.after(states);
-    let met = |justice: &K::Function, z: &K::Function| steps.after_step(&steps.m.and(z, justice)?);
+    let met = |justice: &K::Function, z: &K::Function| steps.after(&steps.m.and(z, justice)?);
     fixpoint(steps, within, again, one, met)
 }
 

@@ -182,7 +182,7 @@ impl Path<'_> {
             let by_state = m.is_false(&m.and_not(at, justice)?);
             if !by_state {
                 let at = at.clone();
-                let on = steps.only(justice)?;
+                let on = steps.only(justice);
                 let next = m.and(&component, &on.after(&at)?)?;
                 cycle.push(self.some(m, &next)?);
             }

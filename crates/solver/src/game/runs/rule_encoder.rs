@@ -3,7 +3,7 @@
 use super::aside::{Allowance, excludes_cycle};
 use super::path::Path;
 use super::reached::ReachableStates;
-use super::steps::{Steps, relations};
+use super::steps::Steps;
 use super::{Lasso, Rule, RunQuery, SafetyViolationQuery, fair, smallest};
 use crate::symbolic::{Encoding, Kernel, Limit, Limits, Order};
 use linewright_core::gr1::{Expr, FormulaKind, Specification, Time, VarId, Variable};
@@ -180,17 +180,7 @@ impl<K: Kernel> RuleEncoder<K> {
             }
         }
         let initial = m.and(&states, &initial)?;
-        let (forward, backward) = relations(&m, &parts, &now, &next)?;
-        Ok(Steps {
-            m,
-            states,
-            initial,
-            parts,
-            forward,
-            backward,
-            now,
-            next,
-        })
+        Ok(Steps::new(m, states, initial, parts, (now, next)))
     }
 
     /// Takes the states reachable under the rules `keep` from the cache, as far as they have been
@@ -241,7 +231,7 @@ impl<K: Kernel> RuleEncoder<K> {
             .map(|index| self.function(rules, *index));
         Ok(LassoSearch {
             again: again.collect::<Result<_, _>>()?,
-            steps: reached.steps.only(&settled)?,
+            steps: reached.steps.only(&settled),
             variables,
             key,
             reached,
@@ -454,11 +444,11 @@ impl<K: Kernel> RuleEncoder<K> {
         };
         // Uses the backward relation without `last.states`, because an invariant that only the last
         // step keeps does not restrict the states before that step.
-        let from = last.backward.product(m, &bad)?;
+        let from = last.before_any(&bad)?;
         if !reached.meets(&from)? {
             return Ok(None);
         }
-        let last = Box::new(last.only(&bad)?);
+        let last = Box::new(last.only(&bad));
         Ok(Some(Violation::After(from, last)))
     }
 

@@ -4,6 +4,7 @@ use crate::game::clusters::Clustering;
 use crate::game::heuristics::Heuristics;
 use crate::game::relation::Relation;
 use crate::symbolic::{BitSet, Kernel, Limit};
+use std::sync::{Arc, OnceLock};
 
 /// How the parts of a relation are combined.
 const CLUSTERING: Clustering = Clustering::ByBits(3_000);
@@ -19,10 +20,10 @@ pub struct Steps<K: Kernel> {
     pub initial: K::Function,
     /// Conjuncts of the relation: safety, and the invariants and domains of the next step.
     pub parts: Vec<K::Function>,
-    /// Relation for forward steps; quantifies current bits.
-    pub forward: Relation<K>,
-    /// Relation for backward steps; quantifies next bits.
-    pub backward: Relation<K>,
+    /// Relation for forward steps, built on first use; quantifies current bits.
+    forward: Arc<OnceLock<Relation<K>>>,
+    /// Relation for backward steps, built on first use; quantifies next bits.
+    backward: Arc<OnceLock<Relation<K>>>,
     /// Current bits of the mentioned variables.
     pub now: BitSet,
     /// Next bits of the mentioned variables.
@@ -30,14 +31,31 @@ pub struct Steps<K: Kernel> {
 }
 
 impl<K: Kernel> Steps<K> {
-    /// Returns the successors of these states.
-    pub fn after(&self, states: &K::Function) -> Result<K::Function, Limit> {
-        self.m.unprime(&self.forward.product(&self.m, states)?)
+    /// Creates the steps between `states` that satisfy all `parts`. `now` and `next` are the bits
+    /// of the mentioned variables.
+    pub fn new(
+        m: K,
+        states: K::Function,
+        initial: K::Function,
+        parts: Vec<K::Function>,
+        (now, next): (BitSet, BitSet),
+    ) -> Self {
+        Self {
+            m,
+            states,
+            initial,
+            parts,
+            forward: Arc::default(),
+            backward: Arc::default(),
+            now,
+            next,
+        }
     }
 
-    /// Returns the states after these steps.
-    pub fn after_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
-        self.m.unprime(&self.forward.product(&self.m, steps)?)
+    /// Returns the successors of these states, or the states after these steps.
+    pub fn after(&self, states: &K::Function) -> Result<K::Function, Limit> {
+        let forward = self.relation(&self.forward, &self.now)?;
+        self.m.unprime(&forward.product(&self.m, states)?)
     }
 
     /// Returns the predecessors of these states.
@@ -47,18 +65,31 @@ impl<K: Kernel> Steps<K> {
 
     /// Returns the states from which one of these steps is possible.
     pub fn before_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
-        let found = self.backward.product(&self.m, steps)?;
+        let found = self.before_any(steps)?;
         self.m.and(&self.states, &found)
     }
 
+    /// Returns the valuations from which one of these steps is possible, even if they do not
+    /// satisfy the invariants.
+    pub fn before_any(&self, steps: &K::Function) -> Result<K::Function, Limit> {
+        let backward = self.relation(&self.backward, &self.next)?;
+        backward.product(&self.m, steps)
+    }
+
     /// Returns the relation restricted to these steps.
-    pub fn only(&self, steps: &K::Function) -> Result<Self, Limit> {
+    #[must_use]
+    pub fn only(&self, steps: &K::Function) -> Self {
         if self.m.is_true(steps) {
-            return Ok(self.clone());
+            return self.clone();
         }
         let mut parts = self.parts.clone();
         parts.push(steps.clone());
-        self.with_parts(parts)
+        Self {
+            parts,
+            forward: Arc::default(),
+            backward: Arc::default(),
+            ..self.clone()
+        }
     }
 
     /// Returns the same relation on another handle of the same kernel.
@@ -66,27 +97,23 @@ impl<K: Kernel> Steps<K> {
         Self { m, ..self.clone() }
     }
 
-    fn with_parts(&self, parts: Vec<K::Function>) -> Result<Self, Limit> {
-        let (forward, backward) = relations(&self.m, &parts, &self.now, &self.next)?;
-        Ok(Self {
-            parts,
-            forward,
-            backward,
-            ..self.clone()
-        })
+    /// Returns the relation in one direction, and builds it on first use. `gone` are the bits that
+    /// it quantifies.
+    fn relation<'a>(
+        &self,
+        known: &'a OnceLock<Relation<K>>,
+        gone: &BitSet,
+    ) -> Result<&'a Relation<K>, Limit> {
+        if let Some(known) = known.get() {
+            return Ok(known);
+        }
+        let built = Relation::new(
+            &self.m,
+            &self.parts,
+            gone,
+            CLUSTERING,
+            Heuristics::default(),
+        )?;
+        Ok(known.get_or_init(|| built))
     }
-}
-
-/// Returns the relation of these conjuncts for forward steps and for backward steps.
-pub fn relations<K: Kernel>(
-    m: &K,
-    parts: &[K::Function],
-    now: &BitSet,
-    next: &BitSet,
-) -> Result<(Relation<K>, Relation<K>), Limit> {
-    let heuristics = Heuristics::default();
-    Ok((
-        Relation::new(m, parts, now, CLUSTERING, heuristics)?,
-        Relation::new(m, parts, next, CLUSTERING, heuristics)?,
-    ))
 }
