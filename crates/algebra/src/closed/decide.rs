@@ -1,8 +1,9 @@
 //! The decision procedure for a closed composition.
 //!
-//! Safety is first decided as a whole: can any error occur in a step after steps without errors?
-//! Only if one can, each obligation is examined separately, in the order of a step. Justice is
-//! decided on the runs without errors.
+//! Safety is first decided for each component: can one of its obligations be broken in a step after
+//! steps without errors, if the components that it does not wait for can do anything? If so, it is
+//! decided as a whole: can any error occur? Only if one can, each obligation is examined
+//! separately, in the order of a step. Justice is decided on the runs without errors.
 
 use super::rules::{RuleSet, ScheduledObligation, StepObligation};
 use super::{
