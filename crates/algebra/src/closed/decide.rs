@@ -79,7 +79,8 @@ impl ClosedDecider<'_> {
     // ---- errors in a step -----------------------------------------------------------------------
 
     fn safety(&mut self, all: [usize; 2]) -> Result<(), Limit> {
-        let sound = self.is_sound_by_component()? || self.is_sound(&self.book.last.clone(), all)?;
+        let (keep, last) = (self.book.keep.clone(), self.book.last.clone());
+        let sound = self.is_sound_by_component(&keep)? || !self.can_break(&keep, &last, all)?;
         let obligations = std::mem::take(&mut self.book.obligations);
         for (place, obligation) in obligations.iter().enumerate() {
             let broken = if sound {
@@ -93,32 +94,38 @@ impl ClosedDecider<'_> {
         Ok(())
     }
 
-    /// Whether no step that keeps the rules `last` breaks one of the rules in `all`.
-    fn is_sound(&mut self, last: &[usize], all: [usize; 2]) -> Result<bool, Limit> {
-        for broken in all {
+    /// Whether a step that keeps the rules `last`, after steps that keep the rules `before`, can
+    /// break one of two rules.
+    fn can_break(
+        &mut self,
+        before: &[usize],
+        last: &[usize],
+        rules: [usize; 2],
+    ) -> Result<bool, Limit> {
+        for broken in rules {
             let query = SafetyViolationQuery {
-                before: self.book.keep.clone(),
+                before: before.to_vec(),
                 last: last.to_vec(),
                 broken,
             };
             if self.runs.has_violation(&query)? {
-                return Ok(false);
+                return Ok(true);
             }
         }
-        Ok(true)
+        Ok(false)
     }
 
     /// Whether each component's obligations are met even if the components that it does not wait
     /// for in a step can do anything. If so, no error can occur; if not, one might. This is far
     /// cheaper than all obligations at once, because each question involves few tables.
-    fn is_sound_by_component(&mut self) -> Result<bool, Limit> {
+    fn is_sound_by_component(&mut self, keep: &[usize]) -> Result<bool, Limit> {
         for component in self.closed.order() {
             let (all, last) = self.book.no_error_of(self.closed, component);
             // A rule has the same number in both.
             for rule in &self.book.rules[self.runs.rules().len()..] {
                 self.runs.add(rule.clone());
             }
-            if !self.is_sound(&last, all)? {
+            if self.can_break(keep, &last, all)? {
                 return Ok(false);
             }
         }
@@ -343,7 +350,8 @@ impl ClosedDecider<'_> {
         let never = watch
             .never_begins(machine, operation)
             .map(|rule| self.runs.add(rule));
-        if !self.begins(&keep, never)? {
+        // The operation can begin if one of the two rules of `never_begins` can be broken.
+        if !self.can_break(&keep, &keep, never)? {
             let by = self.forbidding(watch.operation, never)?;
             return Ok(Some(FailureKind::NeverBegins(by)));
         }
@@ -362,22 +370,6 @@ impl ClosedDecider<'_> {
         let runs = watch.runs(machine, operation);
         let ends = self.add(FormulaKind::Justice, done.or(runs.not()).simplify());
         Ok(self.starved(ends)?.map(FailureKind::Endless))
-    }
-
-    /// Returns whether the operation can begin while the rules `keep` hold, that is, whether one of
-    /// the two rules of [`never_begins`](super::watch::Watch::never_begins) can be violated.
-    fn begins(&mut self, keep: &[usize], never: [usize; 2]) -> Result<bool, Limit> {
-        for broken in never {
-            let query = SafetyViolationQuery {
-                before: keep.to_vec(),
-                last: keep.to_vec(),
-                broken,
-            };
-            if self.runs.has_violation(&query)? {
-                return Ok(true);
-            }
-        }
-        Ok(false)
     }
 
     /// Returns the assumptions that prevent an operation from beginning: each assumption without
@@ -408,7 +400,7 @@ impl ClosedDecider<'_> {
                 keep.extend(loose);
             }
             keep.retain(|rule| !left_out.contains(rule));
-            if self.begins(&keep, never)? {
+            if self.can_break(&keep, &keep, never)? {
                 single.push(first);
             }
             let mut speaks = false;
