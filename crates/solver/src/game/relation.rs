@@ -10,6 +10,15 @@ use super::heuristics::{Heuristic, Heuristics};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use std::collections::HashMap;
 
+/// Maximum number of clusters that [`Relation::reschedule`] tries at each place.
+const MAX_TRIALS: usize = 12;
+
+/// Work that a trial may take in any case.
+const TRIAL_WORK: u64 = 100_000;
+
+/// Factor by which a trial may take more work than the first one at the same place.
+const TRIAL_FACTOR: u64 = 4;
+
 /// A conjunction of clusters, and the bits that a product with it quantifies.
 #[derive(Debug, Clone)]
 pub struct Relation<K: Kernel> {
@@ -45,25 +54,9 @@ impl<K: Kernel> Relation<K> {
             let parts = parts.iter().filter(|p| !kernel.is_true(p));
             parts.cloned().collect()
         };
-        let supports: Vec<BitSet> = clusters
-            .iter()
-            .map(|c| BitSet::new(kernel.support(c)))
-            .collect();
+        let supports = supports(kernel, &clusters);
         let order = schedule(&supports, gone);
-        let mut seen = BitSet::default();
-        let mut ordered = Vec::new();
-        for index in order.iter().rev() {
-            let fresh: Vec<Bit> = gone
-                .iter()
-                .filter(|b| supports[*index].contains(*b) && !seen.contains(*b))
-                .collect();
-            for bit in &fresh {
-                seen.insert(*bit);
-            }
-            ordered.push((clusters[*index].clone(), BitSet::new(fresh)));
-        }
-        ordered.reverse();
-        let mut first = BitSet::new(gone.iter().filter(|b| !seen.contains(*b)));
+        let (mut ordered, mut first) = quantified_early(&clusters, &supports, &order, gone);
         if !heuristics.has(Heuristic::EarlyQuantification) && !ordered.is_empty() {
             for (_, bits) in &mut ordered {
                 *bits = BitSet::default();
@@ -93,6 +86,46 @@ impl<K: Kernel> Relation<K> {
         Ok(result)
     }
 
+    /// Like [`Self::product`], but first moves the clusters into an order that keeps the
+    /// intermediate results small: of the clusters left, the one with the smallest result comes
+    /// next. Conjunction and quantification become one operation.
+    ///
+    /// The order that [`schedule`] finds depends only on the bits that clusters mention. How far a
+    /// cluster restricts a set shows only when it is tried. Takes about as long as half a product
+    /// for each cluster.
+    ///
+    /// # Errors
+    /// Returns the limit that was reached; the order is then as before.
+    pub fn reschedule(&mut self, kernel: &K, f: &K::Function) -> Result<K::Function, Limit> {
+        let gone = self.clusters.iter().flat_map(|(_, bits)| bits.iter());
+        let gone = BitSet::new(gone.chain(self.first.iter()));
+        let clusters: Vec<K::Function> = self.parts().cloned().collect();
+        let supports = supports(kernel, &clusters);
+        let mut left: Vec<usize> = (0..clusters.len()).collect();
+        let mut order = Vec::new();
+        let mut result = kernel.exists(f, &self.first)?;
+        while left.len() > 1 {
+            let candidates = left.iter().take(MAX_TRIALS).map(|index| {
+                let is_last = |bit: &Bit| {
+                    let mut others = left.iter().filter(|other| *other != index);
+                    !others.any(|other| supports[*other].contains(*bit))
+                };
+                let own = supports[*index].iter().filter(|bit| gone.contains(*bit));
+                (&clusters[*index], BitSet::new(own.filter(is_last)))
+            });
+            let (place, product) = smallest_product(kernel, &result, candidates)?;
+            order.push(left.remove(place));
+            result = product;
+        }
+        order.extend(left);
+        (self.clusters, self.first) = quantified_early(&clusters, &supports, &order, &gone);
+        self.fused = true;
+        if let Some((cluster, bits)) = self.clusters.last() {
+            result = kernel.and_exists(&result, cluster, bits)?;
+        }
+        Ok(result)
+    }
+
     /// Returns the relation as a single function.
     pub fn whole(&self, kernel: &K) -> Result<K::Function, Limit> {
         kernel.all(self.clusters.iter().map(|(c, _)| c))
@@ -112,6 +145,66 @@ impl<K: Kernel> Relation<K> {
     pub fn size(&self, kernel: &K) -> usize {
         self.clusters.iter().map(|(c, _)| kernel.size(c)).sum()
     }
+}
+
+fn supports<K: Kernel>(kernel: &K, clusters: &[K::Function]) -> Vec<BitSet> {
+    let supports = clusters.iter().map(|c| kernel.support(c));
+    supports.map(BitSet::new).collect()
+}
+
+/// Returns the smallest product of `f` with one of the candidates, and the candidate's place. A
+/// candidate is a cluster with the bits that its product quantifies; there is at least one.
+fn smallest_product<'a, K: Kernel>(
+    kernel: &K,
+    f: &K::Function,
+    candidates: impl Iterator<Item = (&'a K::Function, BitSet)>,
+) -> Result<(usize, K::Function), Limit> {
+    let mut best: Option<(usize, usize, K::Function)> = None;
+    let mut first_work = None;
+    for (place, (cluster, bits)) in candidates.enumerate() {
+        let before = kernel.work();
+        // A better candidate hardly takes far more work than the first one.
+        let trial = first_work.map_or_else(
+            || kernel.clone(),
+            |work| kernel.with_work(TRIAL_WORK.max(TRIAL_FACTOR * work)),
+        );
+        let product = match trial.and_exists(f, cluster, &bits) {
+            Err(Limit::Work(most)) if kernel.limits().max_work != Some(most) => continue,
+            product => product?,
+        };
+        first_work.get_or_insert_with(|| kernel.work() - before);
+        let size = kernel.size(&product);
+        if best.as_ref().is_none_or(|(least, ..)| size < *least) {
+            best = Some((size, place, product));
+        }
+    }
+    let (_, place, product) = best.expect("no cluster was tried; please report this");
+    Ok((place, product))
+}
+
+/// Returns the clusters in this order, each with the bits of `gone` that no later one mentions, and
+/// the bits that none of them mentions.
+fn quantified_early<F: Clone>(
+    clusters: &[F],
+    supports: &[BitSet],
+    order: &[usize],
+    gone: &BitSet,
+) -> (Vec<(F, BitSet)>, BitSet) {
+    let mut seen = BitSet::default();
+    let mut ordered = Vec::new();
+    for index in order.iter().rev() {
+        let fresh: Vec<Bit> = gone
+            .iter()
+            .filter(|b| supports[*index].contains(*b) && !seen.contains(*b))
+            .collect();
+        for bit in &fresh {
+            seen.insert(*bit);
+        }
+        ordered.push((clusters[*index].clone(), BitSet::new(fresh)));
+    }
+    ordered.reverse();
+    let first = BitSet::new(gone.iter().filter(|b| !seen.contains(*b)));
+    (ordered, first)
 }
 
 /// Returns the order in which a product uses clusters with these supports. The next cluster is

@@ -232,6 +232,10 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// grown, search for a better order. All functions stay valid.
     fn safe_point(&self) -> Result<(), Limit>;
 
+    /// Makes the next safe point ignore what was created before now, such as the results of trials.
+    /// Otherwise it would search for a better order because of them.
+    fn ignore_growth(&self) {}
+
     /// Searches for a better order for the live functions; never increases the number of nodes. A
     /// kernel without reordering does nothing.
     fn sift(&self) -> Result<(), Limit>;
@@ -279,6 +283,18 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// Whether the function depends on the bit.
     fn depends_on(&self, a: &Self::Function, bit: Bit) -> bool {
         self.support(a).contains(&bit)
+    }
+
+    /// Returns a handle to the same kernel whose operations may take at most this much more work.
+    /// If they need more, the error is [`Limit::Work`] with a number other than this handle's.
+    #[must_use]
+    fn with_work(&self, work: u64) -> Self {
+        let limits = self.limits();
+        let allowed = self.work().saturating_add(work);
+        self.with_limits(&Limits {
+            max_work: Some(limits.max_work.map_or(allowed, |most| most.min(allowed))),
+            ..limits
+        })
     }
 
     /// Conjunction of literals. Long ones are joined from the bottom of the order upwards: then

@@ -6,17 +6,17 @@
 //! unreachable states, a few steps are enough; but on other queries, unreachable states make the
 //! same search far more expensive than the exploration. So the two take turns: a side search may
 //! take as much work as the exploration has taken so far. One that needs more is interrupted, and
-//! repeats its last step once it may take four times as much.
+//! repeats its last step once it may take twice as much.
 
 use super::fair;
 use super::steps::Steps;
-use crate::symbolic::{Kernel, Limit, Limits};
+use crate::symbolic::{Kernel, Limit};
 
 /// Work that a side search may take before the exploration has taken any.
 const FIRST_WORK: u64 = 100_000;
 
 /// Factor by which the work of an interrupted side search may grow before it is repeated.
-const REPEAT_FACTOR: u64 = 4;
+const REPEAT_FACTOR: u64 = 2;
 
 /// Decides when a side search may continue.
 #[derive(Debug)]
@@ -59,19 +59,13 @@ impl Allowance {
         part: impl FnOnce(&Steps<K>) -> Result<T, Limit>,
     ) -> Result<Option<T>, Limit> {
         let m = &steps.m;
-        let (limits, before) = (m.limits(), m.work());
-        let allowed = before.saturating_add(self.exploration);
-        let is_own = limits.max_work.is_none_or(|most| allowed < most);
-        let limited = steps.on(m.with_limits(&Limits {
-            max_work: Some(limits.max_work.map_or(allowed, |most| most.min(allowed))),
-            ..limits
-        }));
-        match part(&limited) {
+        let before = m.work();
+        match part(&steps.on(m.with_work(self.exploration))) {
             Ok(found) => {
                 self.due += m.work() - before;
                 Ok(Some(found))
             }
-            Err(Limit::Work(_)) if is_own => {
+            Err(Limit::Work(most)) if m.limits().max_work != Some(most) => {
                 self.due = REPEAT_FACTOR * self.exploration;
                 Ok(None)
             }
@@ -131,15 +125,15 @@ impl<K: Kernel> BackwardSearch<K> {
     }
 }
 
-/// Whether no infinite run exists that meets all of `again` infinitely often, even from unreachable
-/// states. Returns `None` if the search was interrupted.
+/// Narrows a set of states to those, even unreachable ones, from which an infinite run meets all of
+/// `again` infinitely often. Returns whether none is left, or `None` if the search was interrupted;
+/// it then continues with the set.
 pub fn excludes_cycle<K: Kernel>(
     steps: &Steps<K>,
+    states: &mut K::Function,
     again: &[K::Function],
     allowance: &mut Allowance,
 ) -> Result<Option<bool>, Limit> {
-    let fair = allowance.run(steps, |steps| {
-        fair::fair(steps, &steps.m.constant(true), again)
-    })?;
-    Ok(fair.map(|fair| steps.m.is_false(&fair)))
+    let done = allowance.run(steps, |steps| fair::narrow_to_fair(steps, states, again))?;
+    Ok(done.map(|()| steps.m.is_false(states)))
 }

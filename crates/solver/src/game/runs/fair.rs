@@ -15,11 +15,23 @@ pub fn fair<K: Kernel>(
     within: &K::Function,
     again: &[K::Function],
 ) -> Result<K::Function, Limit> {
+    let mut states = within.clone();
+    narrow_to_fair(steps, &mut states, again)?;
+    Ok(states)
+}
+
+/// Removes states from a set until those of [`fair`] are left. If a limit is reached, some are
+/// removed, and the computation can continue with the set.
+pub fn narrow_to_fair<K: Kernel>(
+    steps: &Steps<K>,
+    states: &mut K::Function,
+    again: &[K::Function],
+) -> Result<(), Limit> {
     let m = &steps.m;
     let one = |states: &K::Function| steps.before(states);
     let met =
         |justice: &K::Function, z: &K::Function| steps.before_step(&m.and(justice, &m.prime(z)?)?);
-    fixpoint(steps, within, again, one, met)
+    fixpoint(steps, states, again, one, met)
 }
 
 /// Returns the states of `within` that have an infinite past in `within` in which all of `again` is
@@ -34,50 +46,52 @@ pub fn past<K: Kernel>(
 ) -> Result<K::Function, Limit> {
     let one = |states: &K::Function| steps.after(states);
     let met = |justice: &K::Function, z: &K::Function| steps.after(&steps.m.and(z, justice)?);
-    fixpoint(steps, within, again, one, met)
+    let mut states = within.clone();
+    fixpoint(steps, &mut states, again, one, met)?;
+    Ok(states)
 }
 
-/// Computes the fixpoint in either direction. `one` returns the states one step away from a set,
-/// and `met(J, Z)` the states one step away from Z by a step that meets J.
+/// Narrows a set to the fixpoint in either direction. `one` returns the states one step away from a
+/// set, and `met(J, Z)` the states one step away from Z by a step that meets J.
 fn fixpoint<K: Kernel>(
     steps: &Steps<K>,
-    within: &K::Function,
+    z: &mut K::Function,
     again: &[K::Function],
     one: impl Fn(&K::Function) -> Result<K::Function, Limit>,
     met: impl Fn(&K::Function, &K::Function) -> Result<K::Function, Limit>,
-) -> Result<K::Function, Limit> {
+) -> Result<(), Limit> {
     let m = &steps.m;
     let always = [m.constant(true)];
     let again = if again.is_empty() { &always } else { again };
-    let mut z = m.and(&steps.states, within)?;
+    *z = m.and(&steps.states, z)?;
     // First restricts the set to infinite runs, because this is the cheapest part and often
     // sufficient.
     loop {
-        let smaller = m.and(&z, &one(&z)?)?;
-        if smaller == z {
+        let smaller = m.and(z, &one(z)?)?;
+        if smaller == *z {
             break;
         }
-        z = smaller;
+        *z = smaller;
         m.safe_point()?;
     }
     loop {
         let before = z.clone();
         for justice in again {
-            if m.is_false(&z) {
-                return Ok(z);
+            if m.is_false(z) {
+                return Ok(());
             }
-            let mut y = m.and(&z, &met(justice, &z)?)?;
+            let mut y = m.and(z, &met(justice, z)?)?;
             let mut new = y.clone();
             while !m.is_false(&new) {
-                let more = m.and(&z, &one(&new)?)?;
+                let more = m.and(z, &one(&new)?)?;
                 new = m.and_not(&more, &y)?;
                 y = m.or(&y, &new)?;
                 m.safe_point()?;
             }
-            z = y;
+            *z = y;
         }
-        if z == before {
-            return Ok(z);
+        if *z == before {
+            return Ok(());
         }
     }
 }

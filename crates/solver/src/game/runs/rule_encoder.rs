@@ -54,16 +54,18 @@ struct LassoSearch<K: Kernel> {
     steps: Steps<K>,
     /// Justice to be met infinitely often.
     again: Vec<K::Function>,
+    /// States that can have such a run, even unreachable ones, as far as they have been narrowed.
+    candidates: K::Function,
 }
 
 impl<K: Kernel> LassoSearch<K> {
     /// Whether it is known that no run has the properties, even from unreachable states. Searches
     /// for that if the allowance permits it.
-    fn excludes_cycle(&self, allowance: &mut Allowance) -> Result<bool, Limit> {
+    fn excludes_cycle(&mut self, allowance: &mut Allowance) -> Result<bool, Limit> {
         if self.reached.complete || !allowance.is_due() {
             return Ok(false);
         }
-        let excluded = excludes_cycle(&self.steps, &self.again, allowance)?;
+        let excluded = excludes_cycle(&self.steps, &mut self.candidates, &self.again, allowance)?;
         if excluded == Some(false) {
             allowance.end();
         }
@@ -231,6 +233,7 @@ impl<K: Kernel> RuleEncoder<K> {
             .map(|index| self.function(rules, *index));
         Ok(LassoSearch {
             again: again.collect::<Result<_, _>>()?,
+            candidates: self.m.constant(true),
             steps: reached.steps.only(&settled),
             variables,
             key,
@@ -241,7 +244,7 @@ impl<K: Kernel> RuleEncoder<K> {
     /// See [`super::Runs::find_lasso`].
     pub fn find_lasso(&mut self, rules: &[Rule], query: &RunQuery) -> Result<Option<Lasso>, Limit> {
         let mut search = self.lasso_search(rules, query)?;
-        let (steps, again) = (&search.steps, &search.again);
+        let (steps, again) = (&search.steps.clone(), &search.again.clone());
         let m = self.m.clone();
         // Searches early, since runs are often found near the start.
         let mut next_search = FIRST_SEARCH;

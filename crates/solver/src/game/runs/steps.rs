@@ -4,10 +4,50 @@ use crate::game::clusters::Clustering;
 use crate::game::heuristics::Heuristics;
 use crate::game::relation::Relation;
 use crate::symbolic::{BitSet, Kernel, Limit};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How the parts of a relation are combined.
 const CLUSTERING: Clustering = Clustering::ByBits(3_000);
+
+/// Minimum number of nodes of a set for which the clusters of a relation are rescheduled: with a
+/// smaller one, all orders look equally good.
+const RESCHEDULED_NODES: usize = 300;
+
+/// Factor by which sets have to grow until the clusters are rescheduled again.
+const RESCHEDULED_FACTOR: usize = 4;
+
+/// The relation for steps in one direction.
+#[derive(Debug)]
+struct Direction<K: Kernel> {
+    relation: Relation<K>,
+    /// Minimum number of nodes of a set for which the clusters are rescheduled.
+    due: usize,
+}
+
+impl<K: Kernel> Direction<K> {
+    fn new(relation: Relation<K>) -> Self {
+        let due = if relation.count() > 1 {
+            RESCHEDULED_NODES
+        } else {
+            usize::MAX
+        };
+        Self { relation, due }
+    }
+
+    /// Returns the product of a set with the relation.
+    fn product(&mut self, m: &K, set: &K::Function) -> Result<K::Function, Limit> {
+        if self.due < usize::MAX {
+            let nodes = m.size(set);
+            if nodes >= self.due {
+                let product = self.relation.reschedule(m, set)?;
+                m.ignore_growth();
+                self.due = RESCHEDULED_FACTOR * nodes;
+                return Ok(product);
+            }
+        }
+        self.relation.product(m, set)
+    }
+}
 
 /// The step relation of a query's rules.
 #[derive(Debug, Clone)]
@@ -21,9 +61,9 @@ pub struct Steps<K: Kernel> {
     /// Conjuncts of the relation: safety, and the invariants and domains of the next step.
     pub parts: Vec<K::Function>,
     /// Relation for forward steps, built on first use; quantifies current bits.
-    forward: Arc<OnceLock<Relation<K>>>,
+    forward: Arc<Mutex<Option<Direction<K>>>>,
     /// Relation for backward steps, built on first use; quantifies next bits.
-    backward: Arc<OnceLock<Relation<K>>>,
+    backward: Arc<Mutex<Option<Direction<K>>>>,
     /// Current bits of the mentioned variables.
     pub now: BitSet,
     /// Next bits of the mentioned variables.
@@ -54,8 +94,8 @@ impl<K: Kernel> Steps<K> {
 
     /// Returns the successors of these states, or the states after these steps.
     pub fn after(&self, states: &K::Function) -> Result<K::Function, Limit> {
-        let forward = self.relation(&self.forward, &self.now)?;
-        self.m.unprime(&forward.product(&self.m, states)?)
+        let next = self.product(&self.forward, &self.now, states)?;
+        self.m.unprime(&next)
     }
 
     /// Returns the predecessors of these states.
@@ -72,8 +112,7 @@ impl<K: Kernel> Steps<K> {
     /// Returns the valuations from which one of these steps is possible, even if they do not
     /// satisfy the invariants.
     pub fn before_any(&self, steps: &K::Function) -> Result<K::Function, Limit> {
-        let backward = self.relation(&self.backward, &self.next)?;
-        backward.product(&self.m, steps)
+        self.product(&self.backward, &self.next, steps)
     }
 
     /// Returns the relation restricted to these steps.
@@ -97,23 +136,20 @@ impl<K: Kernel> Steps<K> {
         Self { m, ..self.clone() }
     }
 
-    /// Returns the relation in one direction, and builds it on first use. `gone` are the bits that
-    /// it quantifies.
-    fn relation<'a>(
+    /// Returns the product of a set with the relation in one direction, which is built on first use
+    /// and quantifies the bits `gone`.
+    fn product(
         &self,
-        known: &'a OnceLock<Relation<K>>,
+        direction: &Mutex<Option<Direction<K>>>,
         gone: &BitSet,
-    ) -> Result<&'a Relation<K>, Limit> {
-        if let Some(known) = known.get() {
-            return Ok(known);
+        set: &K::Function,
+    ) -> Result<K::Function, Limit> {
+        let (m, parts) = (&self.m, &self.parts);
+        let mut direction = direction.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(direction) = &mut *direction {
+            return direction.product(m, set);
         }
-        let built = Relation::new(
-            &self.m,
-            &self.parts,
-            gone,
-            CLUSTERING,
-            Heuristics::default(),
-        )?;
-        Ok(known.get_or_init(|| built))
+        let relation = Relation::new(m, parts, gone, CLUSTERING, Heuristics::default())?;
+        direction.insert(Direction::new(relation)).product(m, set)
     }
 }

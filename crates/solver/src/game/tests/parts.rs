@@ -1,9 +1,12 @@
-//! Tests clusters and the diagram builder against a kernel's own operations, on random functions.
+//! Tests clusters, relations and the diagram builder against a kernel's own operations, on random
+//! functions.
 
 use super::super::clusters::Clustering;
 use super::super::diagram_builder::DiagramBuilder;
+use super::super::heuristics::Heuristics;
+use super::super::relation::Relation;
 use super::Random;
-use crate::symbolic::{Biodivine, Bit, BitSet, Edge, Kernel, Limits, Order, SharedStore};
+use crate::symbolic::{Biodivine, Bit, BitSet, Edge, Kernel, Limit, Limits, Order, SharedStore};
 
 const PAIRS: u16 = 6;
 
@@ -87,6 +90,52 @@ fn clusters_say_what_their_parts_say_and_keep_their_bound() {
     }
     println!("clusters by bits differ from those in order {differ} times of 800");
     assert!(differ >= 50);
+}
+
+/// A relation with rescheduled clusters has the same product with every set. Returns whether the
+/// clusters are in another order.
+fn rescheduling_keeps_products<K: Kernel>(seed: u64) -> bool {
+    let mut random = Random::new(seed);
+    let m: K = kernel(&mut random);
+    let parts: Vec<K::Function> = (0..=random.below(6))
+        .map(|_| function(&m, &mut random, 2, &all_bits()))
+        .collect();
+    let gone = BitSet::new(all_bits().into_iter().filter(|_| random.chance(40)));
+    let one_each = Clustering::InOrder(0);
+    let mut relation =
+        Relation::new(&m, &parts, &gone, one_each, Heuristics::default()).expect("it is small");
+    let before: Vec<K::Function> = relation.parts().cloned().collect();
+    let [set, other] = [3, 5].map(|clauses| function(&m, &mut random, clauses, &all_bits()));
+    let whole = m.all(&parts).expect("it is small");
+    let wanted = |set| m.and_exists(set, &whole, &gone).expect("it is small");
+
+    let stopped = relation.reschedule(&m.with_work(1), &other);
+    assert!(
+        matches!(stopped, Ok(_) | Err(Limit::Work(_))),
+        "seed {seed}: {stopped:?}"
+    );
+    let product = relation.product(&m, &set).expect("it is small");
+    assert!(same(&m, &product, &wanted(&set)), "seed {seed}");
+    let product = relation.reschedule(&m, &set).expect("it is small");
+    assert!(same(&m, &product, &wanted(&set)), "seed {seed}");
+    for set in [&set, &other] {
+        let product = relation.product(&m, set).expect("it is small");
+        assert!(same(&m, &product, &wanted(set)), "seed {seed}");
+    }
+    assert_eq!(relation.count(), before.len(), "seed {seed}");
+    relation.parts().ne(&before)
+}
+
+#[test]
+fn rescheduled_relations_have_the_same_products() {
+    let mut moved = 0;
+    for seed in 0..300 {
+        let on_one = rescheduling_keeps_products::<Biodivine>(seed);
+        let on_other = rescheduling_keeps_products::<SharedStore>(seed);
+        moved += usize::from(on_one) + usize::from(on_other);
+    }
+    println!("clusters moved {moved} times of 600");
+    assert!(moved >= 100);
 }
 
 fn builder_agrees<K: Kernel>(seed: u64) {

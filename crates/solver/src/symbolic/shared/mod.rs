@@ -590,6 +590,12 @@ impl Kernel for SharedStore {
         Ok(())
     }
 
+    fn ignore_growth(&self) {
+        let mut state = self.state();
+        state.before = state.nodes();
+        state.work_before = state.store.work();
+    }
+
     fn sift(&self) -> Result<(), Limit> {
         self.limits.check_time()?;
         self.state()
