@@ -6,7 +6,7 @@
 //! unreachable states, a few steps are enough; but on other queries, unreachable states make the
 //! same search far more expensive than the exploration. So the two take turns: a side search may
 //! take as much work as the exploration has taken so far. One that needs more is interrupted, and
-//! repeats its last step once it may take twice as much.
+//! continues from its last complete step once it may take twice as much.
 
 use super::fair;
 use super::steps::Steps;
@@ -15,7 +15,7 @@ use crate::symbolic::{Kernel, Limit};
 /// Work that a side search may take before the exploration has taken any.
 const FIRST_WORK: u64 = 100_000;
 
-/// Factor by which the work of an interrupted side search may grow before it is repeated.
+/// Factor by which the work of an interrupted side search may grow before it continues.
 const REPEAT_FACTOR: u64 = 2;
 
 /// Decides when a side search may continue.
