@@ -2,6 +2,7 @@
 
 mod attack;
 mod calls;
+mod distributions;
 mod models;
 #[path = "../algebra/discharge/mutants.rs"]
 mod mutants;

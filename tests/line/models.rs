@@ -1,12 +1,13 @@
 //! Handmade lines, and controllers with the answers that a test needs.
 
+use linewright::contract::distribution::Distribution;
 use linewright::contract::line::{
-    Belt, Defect, InitialValue, Limit, Line, Node, NodeKind, PartProperty, PartType, Requirement,
-    Route, Shift, Supply, Task,
+    Belt, InitialValue, Limit, Line, Node, NodeKind, PartProperty, PartType, Requirement, Route,
+    Shift, Station, Supply, Task,
 };
 use linewright::contract::machine::{
-    Component, Failures, Machine, Operation, PlantInput, PlantSource, Property, PropertyKind,
-    RealExpr, Role,
+    Between, Component, FailureMode, Machine, Operation, PlantInput, PlantSource, Property,
+    PropertyKind, RealExpr, Role,
 };
 use linewright::gr1::{Domain, Owner, Side, Specification, Timing, Variable};
 use linewright::line::random::{Purpose, Stream};
@@ -196,13 +197,11 @@ impl Builder {
         let tasks = parts.iter().map(|part| self.task(part, &[])).collect();
         let node = self.add(
             name,
-            NodeKind::Station {
-                machine,
+            NodeKind::Station(Box::new(Station {
+                machine: Some(machine),
                 tasks,
-                defects: Vec::new(),
-                setup_seconds: 0.0,
-                failures: None,
-            },
+                ..self::station()
+            })),
         );
         self.controllers.insert(node, Box::new(controller));
         self
@@ -214,51 +213,33 @@ impl Builder {
             part: self.part(part),
             operations: vec![(0, Vec::new())],
             properties: properties.to_vec(),
+            time: None,
             span: span(),
         }
     }
 
     /// Changes a station's declaration.
-    pub fn with_station(
-        &mut self,
-        name: &str,
-        change: impl FnOnce(&mut Vec<Task>, &mut Vec<Defect>, &mut f64, &mut Option<Failures>),
-    ) -> &mut Self {
+    pub fn with_station(&mut self, name: &str, change: impl FnOnce(&mut Station)) -> &mut Self {
         let node = self.node(name);
-        if let NodeKind::Station {
-            tasks,
-            defects,
-            setup_seconds,
-            failures,
-            ..
-        } = &mut self.line.nodes[node].kind
-        {
-            change(tasks, defects, setup_seconds, failures);
+        if let NodeKind::Station(station) = &mut self.line.nodes[node].kind {
+            change(station);
         }
         self
     }
 
     /// Gives a station's machine properties of the part, each read and written by every task.
     pub fn machine_properties(&mut self, name: &str, properties: &[&str]) -> &mut Self {
-        let node = self.node(name);
-        if let NodeKind::Station {
-            machine: m, tasks, ..
-        } = &mut self.line.nodes[node].kind
-        {
-            *m = Arc::new(machine(&m.name, properties));
-            for task in tasks {
+        self.with_station(name, |station| {
+            let name = station.machine.as_ref().map_or("", |machine| &machine.name);
+            station.machine = Some(Arc::new(machine(name, properties)));
+            for task in &mut station.tasks {
                 task.properties = (0..properties.len()).map(Some).collect();
             }
-        }
-        self
+        })
     }
 
     pub fn machine_watts(&mut self, name: &str, idle_watts: f64) -> &mut Self {
-        let node = self.node(name);
-        if let NodeKind::Station { machine, .. } = &mut self.line.nodes[node].kind {
-            Arc::make_mut(machine).idle_watts = idle_watts;
-        }
-        self
+        self.with_station(name, |station| station.idle_watts = idle_watts)
     }
 
     /// Routes of one part type along these nodes.
@@ -334,10 +315,41 @@ impl Builder {
 
 pub fn every(seconds: f64, limit: Option<u64>) -> Supply {
     Supply::Every {
-        seconds,
-        random: false,
+        interval: Distribution::Constant(seconds),
         limit,
     }
+}
+
+/// A Poisson process with this mean time between parts.
+pub fn at_random(mean: f64, limit: Option<u64>) -> Supply {
+    Supply::Every {
+        interval: Distribution::Exponential { mean },
+        limit,
+    }
+}
+
+/// A station without work.
+fn station() -> Station {
+    Station {
+        machine: None,
+        tasks: Vec::new(),
+        settings: Vec::new(),
+        defects: Vec::new(),
+        setup: Distribution::Constant(0.0),
+        failures: Vec::new(),
+        watts: 0.0,
+        idle_watts: 0.0,
+    }
+}
+
+/// Exponentially distributed failures and repairs with these means.
+pub fn failing(mtbf: f64, mttr: f64) -> Vec<FailureMode> {
+    vec![FailureMode {
+        name: String::new(),
+        between: Between::Working(Distribution::Exponential { mean: mtbf }),
+        repair: Distribution::Exponential { mean: mttr },
+        restarts: false,
+    }]
 }
 
 /// A machine of one operation, without components.
@@ -372,7 +384,7 @@ fn machine(name: &str, properties: &[&str]) -> Machine {
         base_watts: 0.0,
         idle_watts: 0.0,
         step_limit: 1000,
-        failures: None,
+        failures: Vec::new(),
         refines: Vec::new(),
         orders: Vec::new(),
         guarantees: linewright::contract::machine::Rules::default(),

@@ -37,10 +37,13 @@ pub fn examine<'a>(
     let mut result = CallCheck::default();
     let nodes = line.nodes.iter().enumerate();
     for (_, node) in nodes.filter(|(i, _)| wanted(*i)) {
-        let NodeKind::Station { machine, tasks, .. } = &node.kind else {
+        let NodeKind::Station(station) = &node.kind else {
             continue;
         };
-        let sequences = tasks.iter().map(|task| {
+        let Some(machine) = &station.machine else {
+            continue;
+        };
+        let sequences = station.tasks.iter().map(|task| {
             let carried = |at: usize| task.properties.get(at).is_some_and(Option::is_some);
             let operations = task.operations.iter();
             operations

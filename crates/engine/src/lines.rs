@@ -122,14 +122,17 @@ pub fn examine<'a>(
     proof
 }
 
-/// Whether a node is not a station, or its machine has controllers.
+/// Whether a node is not a station with a machine, or its machine has controllers.
 fn has_controllers<'a>(
     line: &Line,
     node: usize,
     controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
 ) -> bool {
     match &line.nodes[node].kind {
-        NodeKind::Station { machine, .. } => controlled(machine).is_some(),
+        NodeKind::Station(station) => {
+            let machine = station.machine.as_deref();
+            machine.is_none_or(|machine| controlled(machine).is_some())
+        }
         _ => true,
     }
 }

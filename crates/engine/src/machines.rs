@@ -131,7 +131,10 @@ pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
     let mut machines: Vec<&Arc<Machine>> = Vec::new();
     for node in &line.nodes {
         let machine = match &node.kind {
-            NodeKind::Station { machine, .. } => machine,
+            NodeKind::Station(station) => match &station.machine {
+                Some(machine) => machine,
+                None => continue,
+            },
             NodeKind::Conveyor {
                 belt: Some(belt), ..
             } => &belt.machine,

@@ -102,7 +102,10 @@ fn instances(
     let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
     for (index, node) in line.nodes.iter().enumerate() {
         let machine: &Machine = match &node.kind {
-            NodeKind::Station { machine, .. } => machine,
+            NodeKind::Station(station) => match &station.machine {
+                Some(machine) => machine,
+                None => continue,
+            },
             NodeKind::Conveyor {
                 belt: Some(belt), ..
             } => &belt.machine,

@@ -50,6 +50,7 @@ mod metric;
 mod plant;
 pub mod random;
 pub mod replicate;
+pub mod sampler;
 mod statistics;
 pub mod trace;
 mod undecided;

@@ -9,17 +9,26 @@
 //! other streams unchanged (common random numbers). Variants of a line can therefore be compared
 //! under one seed.
 
+use rand_core::TryRng;
+use std::convert::Infallible;
+
 /// Purpose of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// Times between a source's parts.
     Arrivals,
-    /// Breakdowns and repairs of a station.
+    /// Times between failures of a station.
     Failures,
     /// Defects made by a station.
     Defects,
     /// Selection of lead times for the sample behind the percentiles.
     Sample,
+    /// Work of a station on parts of a type.
+    Service,
+    /// Repairs of a station.
+    Repairs,
+    /// Setups of a station.
+    Setup,
 }
 
 /// A sequence of random numbers.
@@ -90,6 +99,27 @@ impl Stream {
     pub fn below(&mut self, count: u64) -> u64 {
         // The upper half of `count` times 64 random bits; the bias is below count / 2^64.
         ((u128::from(self.bits()) * u128::from(count)) >> 64) as u64
+    }
+}
+
+impl TryRng for Stream {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        // The upper bits of this generator are its best.
+        Ok((self.bits() >> 32) as u32)
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        Ok(self.bits())
+    }
+
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        for chunk in bytes.chunks_mut(8) {
+            let bits = self.bits().to_le_bytes();
+            chunk.copy_from_slice(&bits[..chunk.len()]);
+        }
+        Ok(())
     }
 }
 

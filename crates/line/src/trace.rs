@@ -131,8 +131,8 @@ pub struct StationStatistics {
     pub node: usize,
     /// Name of the node.
     pub name: String,
-    /// Name of the machine.
-    pub machine: String,
+    /// Name of the machine; `None` for a station that is given by its times.
+    pub machine: Option<String>,
     /// Number of parts whose service ended.
     pub processed: u64,
     /// Shares of the station's time.

@@ -6,9 +6,10 @@
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
+use linewright_language::contract::distribution::Distribution;
 use linewright_language::contract::is_duration;
 use linewright_language::contract::line::{Belt, InitialValue, Line, Node, NodeKind, Supply, Task};
-use linewright_language::contract::machine::{Machine, RealExpr};
+use linewright_language::contract::machine::{Between, Machine, RealExpr};
 
 /// Returns everything that prevents the runner from running this line. `has_controller` states
 /// whether a node has a controller.
@@ -102,10 +103,8 @@ impl Check<'_> {
                 self.require(self.is_part(*part), node.span, || {
                     format!("{name} makes an unknown part type")
                 });
-                if let Supply::Every { seconds, .. } = supply {
-                    self.require(is_duration(*seconds), node.span, || {
-                        format!("{name} makes a part every {seconds} seconds, which is an invalid duration")
-                    });
+                if let Supply::Every { interval, .. } = supply {
+                    self.distribution(interval, node.span, name, "interval");
                 }
             }
             NodeKind::Sink { reorder, .. } => {
@@ -125,31 +124,56 @@ impl Check<'_> {
                     format!("{name} has an unknown part type in stock")
                 });
             }
-            NodeKind::Station {
-                machine,
-                tasks,
-                defects,
-                setup_seconds,
-                failures,
-            } => {
-                self.require(has_controller, node.span, || {
-                    format!("{name} has no controller")
-                });
-                self.require(is_duration(*setup_seconds), node.span, || {
-                    format!(
-                        "the setup of {name} takes {setup_seconds} seconds, which is an invalid duration"
-                    )
-                });
-                if let Some(f) = failures {
-                    let sound = f.mtbf > 0.0 && is_duration(f.mtbf) && is_duration(f.mttr);
+            NodeKind::Station(station) => {
+                self.require(
+                    has_controller == station.machine.is_some(),
+                    node.span,
+                    || format!("{name} has no controller"),
+                );
+                self.distribution(&station.setup, node.span, name, "setup time");
+                for mode in &station.failures {
+                    self.distribution(&mode.repair, node.span, name, "time to repair");
+                    let sound = match &mode.between {
+                        Between::Working(time) | Between::Calendar(time) => {
+                            time.is_valid() && time.takes_time()
+                        }
+                        Between::Parts(count) => *count > 0,
+                    };
                     self.require(sound, node.span, || {
-                        format!("the failures of {name} need a positive mean time between failures and a time to repair")
+                        format!("{name} has an invalid time between failures")
                     });
                 }
-                for task in tasks {
-                    self.task(name, machine, task);
+                let sound = [station.watts, station.idle_watts]
+                    .iter()
+                    .all(|watts| watts.is_finite());
+                self.require(sound, node.span, || {
+                    format!("{name} has a power that is not finite")
+                });
+                for task in &station.tasks {
+                    match (&station.machine, &task.time) {
+                        (Some(machine), None) => self.task(name, machine, task),
+                        (None, Some(time)) => {
+                            self.distribution(time, task.span, name, "time");
+                            self.require(self.is_part(task.part), task.span, || {
+                                format!("{name} works on an unknown part type")
+                            });
+                        }
+                        _ => self.refuse(
+                            task.span,
+                            format!("a task of {name} needs either a machine or a time"),
+                        ),
+                    }
                 }
-                for defect in defects {
+                for setting in &station.settings {
+                    let count = line.parts.get(setting.part).map(|p| p.properties.len());
+                    let sound = count.is_some_and(|count| {
+                        setting.property < count && fits(&setting.value, count)
+                    });
+                    self.require(sound, setting.span, || {
+                        format!("a value that {name} sets does not fit its part type")
+                    });
+                }
+                for defect in &station.defects {
                     let count = self.line.parts.get(defect.part).map(|p| p.properties.len());
                     let sound = count.is_some_and(|count| {
                         (0.0..=1.0).contains(&defect.probability)
@@ -190,6 +214,12 @@ impl Check<'_> {
                 });
             }
         }
+    }
+
+    fn distribution(&mut self, it: &Distribution, span: Span, node: &str, what: &str) {
+        self.require(it.is_valid(), span, || {
+            format!("the {what} of {node} is not a valid distribution: {it:?}")
+        });
     }
 
     fn task(&mut self, station: &str, machine: &Machine, task: &Task) {
@@ -243,8 +273,8 @@ impl Check<'_> {
                 route.span,
                 || format!("a route leads to the source {}", to.name),
             );
-            if let NodeKind::Station { tasks, .. } = &to.kind {
-                let taken = tasks.iter().any(|task| {
+            if let NodeKind::Station(station) = &to.kind {
+                let taken = station.tasks.iter().any(|task| {
                     let bill = line.parts.get(task.part).map_or(&[][..], |p| &p.bill);
                     task.part == route.part
                         || bill.iter().any(|&(component, _)| component == route.part)

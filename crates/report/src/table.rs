@@ -144,7 +144,10 @@ fn stations(out: &mut String, trace: &Trace) {
         let shares = [s.busy, s.starved, s.blocked, s.failed, s.idle, s.setup];
         [
             station.name.clone(),
-            station.machine.clone(),
+            station
+                .machine
+                .clone()
+                .unwrap_or_else(|| "not controlled".to_owned()),
             station.processed.to_string(),
             clock(station.busy_seconds),
             kwh(station.joules),

@@ -1,11 +1,13 @@
 //! Syntax trees of the text as written, with places in the file and without name lookup.
 
 mod skills;
+mod time;
 
 pub use skills::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, Situation, Skill, SkillCalls,
     SkillComponent, SkillItem, SkillSet, Times,
 };
+pub use time::{Between, Failures, Outcome, TimeValue};
 
 use super::binds;
 use linewright_core::source::Span;
@@ -569,7 +571,7 @@ pub enum MachineItem {
     /// `limit 500 steps`
     Limit(Expr),
     /// `failures mtbf 8 h mttr 5 min`
-    Failures(Expr, Expr),
+    Failures(Failures),
     /// `property ...`
     Property(TypedDecl),
     /// `parameter ...`
@@ -774,10 +776,8 @@ pub enum LineItem {
     Station {
         /// Name of the station.
         name: Name,
-        /// Name of the machine.
-        machine: Name,
-        /// Arguments of the machine.
-        arguments: Vec<Argument>,
+        /// Machine with arguments; `None` for a station that is given by its times.
+        machine: Option<(Name, Vec<Argument>)>,
         /// Items within the braces.
         items: Vec<StationItem>,
     },
@@ -823,8 +823,8 @@ pub enum Supply {
     /// `every [random] e [limit n]`
     Every {
         /// Time between two parts.
-        seconds: Expr,
-        /// Whether the time is exponentially distributed.
+        interval: TimeValue,
+        /// Whether the time is exponentially distributed with this mean.
         random: bool,
         /// Maximum number of parts in total.
         limit: Option<u64>,
@@ -841,10 +841,32 @@ pub enum StationItem {
         /// Part type.
         part: Name,
     },
-    /// `setup e`
-    Setup(Expr),
+    /// `takes 2 s`, or `takes 2 s a Carton`
+    Takes {
+        /// Duration of the work.
+        duration: TimeValue,
+        /// Part type; `None` for all types that leave the station.
+        part: Option<Name>,
+    },
+    /// `sets x = e`, or `sets x[i] = e on P`
+    Sets {
+        /// Property of the part.
+        property: Name,
+        /// Index, if the property is an array.
+        index: Option<Expr>,
+        /// Value after the work.
+        value: Expr,
+        /// Part type; `None` for all types that have the property.
+        part: Option<Name>,
+    },
+    /// `setup d`
+    Setup(TimeValue),
+    /// `idle power e`
+    IdlePower(Expr),
+    /// `power e`
+    Power(Expr),
     /// `failures mtbf a mttr b`
-    Failures(Expr, Expr),
+    Failures(Failures),
     /// `defect on P probability p: one of x becomes e`
     Defect {
         /// Part type.

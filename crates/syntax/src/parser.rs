@@ -146,9 +146,10 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
             "part" | "product" | "source" | "store" | "sink" | "buffer" | "conveyor" | "station"
             | "route" | "requirement" | "shift" | "limit",
         ) => Some(Rule::only_line_item),
-        (Rule::bad_station_item, "perform" | "setup" | "defect" | "failures") => {
-            Some(Rule::only_station_item)
-        }
+        (
+            Rule::bad_station_item,
+            "perform" | "takes" | "sets" | "setup" | "defect" | "failures" | "idle" | "power",
+        ) => Some(Rule::only_station_item),
         (Rule::bad_component_item, _) if !first.is_empty() => Some(Rule::only_component_item),
         _ => None,
     };
@@ -374,7 +375,19 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
         ),
         Rule::bad_skills_item => ("a set of skills", &["component", "order"]),
         Rule::bad_skill_call => ("the skills of a machine", &["Skill = ..."]),
-        Rule::bad_station_item => ("a station", &["perform", "setup", "defect", "failures"]),
+        Rule::bad_station_item => (
+            "a station",
+            &[
+                "perform",
+                "takes",
+                "sets",
+                "setup",
+                "defect",
+                "failures",
+                "power",
+                "idle power",
+            ],
+        ),
         _ => (
             "a file",
             &[
@@ -578,6 +591,10 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::name | Rule::path => "a name",
             Rule::integer => "a whole number",
             Rule::expression
+            | Rule::duration
+            | Rule::drawn
+            | Rule::distribution
+            | Rule::outcome
             | Rule::operators
             | Rule::disjunction
             | Rule::past

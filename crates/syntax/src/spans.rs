@@ -4,9 +4,9 @@
 mod skills;
 
 use super::ast::{
-    Argument, Component, ConstDecl, Contract, ContractItem, Counter, Define, Domain, DomainKind,
-    Expr, ExprKind, File, Header, Item, Line, LineItem, Machine, MachineItem, Name, OperationCall,
-    PartCount, Scope, StationItem, Supply, TypeDecl, TypedDecl,
+    Argument, Between, Component, ConstDecl, Contract, ContractItem, Counter, Define, Domain,
+    DomainKind, Expr, ExprKind, Failures, File, Header, Item, Line, LineItem, Machine, MachineItem,
+    Name, OperationCall, PartCount, Scope, StationItem, Supply, TimeValue, TypeDecl, TypedDecl,
 };
 use linewright_core::source::Span;
 
@@ -142,7 +142,7 @@ fn machine(m: &mut Machine) {
             | MachineItem::Power(e)
             | MachineItem::Limit(e)
             | MachineItem::Done(e) => expr(e),
-            MachineItem::Failures(a, b) => exprs([a, b]),
+            MachineItem::Failures(f) => failures(f),
             MachineItem::Property(t)
             | MachineItem::Parameter(t)
             | MachineItem::Signal(t)
@@ -215,8 +215,8 @@ fn line(l: &mut Line) {
                 ..
             } => {
                 names([n, part]);
-                if let Supply::Every { seconds, .. } = supply {
-                    expr(seconds);
+                if let Supply::Every { interval, .. } = supply {
+                    duration(interval);
                 }
             }
             LineItem::Store { name: n, stock } => {
@@ -247,11 +247,13 @@ fn line(l: &mut Line) {
             LineItem::Station {
                 name: n,
                 machine,
-                arguments: list,
                 items,
             } => {
-                names([n, machine]);
-                arguments(list);
+                name(n);
+                if let Some((machine, list)) = machine {
+                    name(machine);
+                    arguments(list);
+                }
                 items.iter_mut().for_each(station);
             }
             LineItem::Route { part, stops, when } => {
@@ -285,8 +287,24 @@ fn station(item: &mut StationItem) {
             performed(operations);
             name(part);
         }
-        StationItem::Setup(e) => expr(e),
-        StationItem::Failures(a, b) => exprs([a, b]),
+        StationItem::Takes { duration: d, part } => {
+            duration(d);
+            names(part);
+        }
+        StationItem::Sets {
+            property,
+            index,
+            value,
+            part,
+        } => {
+            name(property);
+            exprs(index);
+            expr(value);
+            names(part);
+        }
+        StationItem::Setup(d) => duration(d),
+        StationItem::IdlePower(e) | StationItem::Power(e) => expr(e),
+        StationItem::Failures(f) => failures(f),
         StationItem::Defect {
             part,
             probability,
@@ -298,6 +316,33 @@ fn station(item: &mut StationItem) {
             exprs([probability, value]);
         }
     }
+}
+
+fn duration(d: &mut TimeValue) {
+    match d {
+        TimeValue::Value(value) => expr(value),
+        TimeValue::Drawn {
+            name: n,
+            outcomes,
+            span,
+        } => {
+            name(n);
+            for outcome in outcomes {
+                expr(&mut outcome.value);
+                exprs(&mut outcome.weight);
+            }
+            *span = Span::default();
+        }
+    }
+}
+
+fn failures(f: &mut Failures) {
+    names(&mut f.name);
+    if let Between::Time(time) = &mut f.between {
+        duration(time);
+    }
+    duration(&mut f.mttr);
+    f.span = Span::default();
 }
 
 fn domain(d: &mut Domain) {

@@ -373,6 +373,10 @@ impl Assembly<'_> {
             },
             proof: verdict.filter(|_| fits && !gave_up),
             premises: proof.premises.into_iter().map(PremiseEntry::from).collect(),
+            not_controlled: line.map_or_else(Vec::new, |line| {
+                let stations = line.stations_without_machine();
+                stations.map(|node| node.name.clone()).collect()
+            }),
             undecided: proof.undecided,
             discharges: proof.discharges,
             findings: json::findings(&self.loaded.library.sources, findings),

@@ -253,6 +253,10 @@ pub(super) struct LineEntry {
     /// If proved or safe: premises of the proof that it does not establish itself.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) premises: Vec<PremiseEntry>,
+    /// Names of the stations that are given by their times, without a controller. The proof takes
+    /// for granted that their work ends.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) not_controlled: Vec<String>,
     /// If safe: names of the goals that were not decided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) undecided: Vec<String>,

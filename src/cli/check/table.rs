@@ -138,6 +138,12 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     for l in &document.lines {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("line {}", l.name);
+        if !l.not_controlled.is_empty() {
+            cells[2] = format!(
+                "{} not controlled",
+                count(l.not_controlled.len(), "station")
+            );
+        }
         cells[3] = in_words(l.verdict);
         cells[4] = match l.proof {
             Some(LineVerdict::Proved) if l.premises.is_empty() => "proved".to_owned(),

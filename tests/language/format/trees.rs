@@ -385,7 +385,7 @@ impl<'n> Choices<'n> {
             1 => MachineItem::IdlePower(self.expr()),
             2 => MachineItem::Power(self.expr()),
             3 => MachineItem::Limit(self.expr()),
-            4 => MachineItem::Failures(self.expr(), self.expr()),
+            4 => MachineItem::Failures(self.failures()),
             5 => MachineItem::Property(self.typed(0, 1)),
             6 => MachineItem::Parameter(self.typed(0, 1)),
             7 => MachineItem::Signal(self.typed(1, 4)),
@@ -415,14 +415,55 @@ impl<'n> Choices<'n> {
         }
     }
 
+    fn duration(&mut self) -> TimeValue {
+        if self.maybe() {
+            return TimeValue::Value(self.expr());
+        }
+        TimeValue::Drawn {
+            name: name(["uniform", "normal", "discrete"][self.pick(3)]),
+            outcomes: self.list(1, 3, |c| Outcome {
+                value: c.expr(),
+                weight: c.option(Self::expr),
+            }),
+            span: Span::default(),
+        }
+    }
+
+    fn failures(&mut self) -> Failures {
+        Failures {
+            name: self.option(Self::plain),
+            between: if self.maybe() {
+                Between::Parts(self.count())
+            } else {
+                Between::Time(self.duration())
+            },
+            mttr: self.duration(),
+            calendar: self.maybe(),
+            restarts: self.maybe(),
+            span: Span::default(),
+        }
+    }
+
     fn station_item(&mut self) -> StationItem {
-        match self.pick(4) {
+        match self.pick(8) {
             0 => StationItem::Perform {
                 operations: self.list(1, 3, Self::performed),
                 part: self.plain(),
             },
-            1 => StationItem::Setup(self.expr()),
-            2 => StationItem::Failures(self.expr(), self.expr()),
+            1 => StationItem::Setup(self.duration()),
+            2 => StationItem::Failures(self.failures()),
+            3 => StationItem::Takes {
+                duration: self.duration(),
+                part: self.option(Self::plain),
+            },
+            4 => StationItem::Sets {
+                property: self.plain(),
+                index: self.option(Self::expr),
+                value: self.expr(),
+                part: self.option(Self::plain),
+            },
+            5 => StationItem::IdlePower(self.expr()),
+            6 => StationItem::Power(self.expr()),
             _ => StationItem::Defect {
                 part: self.plain(),
                 probability: self.expr(),
@@ -449,7 +490,7 @@ impl<'n> Choices<'n> {
                     Supply::OnOrder
                 } else {
                     Supply::Every {
-                        seconds: self.expr(),
+                        interval: self.duration(),
                         random: self.maybe(),
                         limit: self.option(Self::count),
                     }
@@ -479,8 +520,7 @@ impl<'n> Choices<'n> {
             },
             7 => LineItem::Station {
                 name: place,
-                machine: self.dotted(),
-                arguments: self.arguments(0),
+                machine: self.option(|c| (c.dotted(), c.arguments(0))),
                 items: self.list(0, 3, Self::station_item),
             },
             8 => LineItem::Route {

@@ -96,7 +96,10 @@ impl World {
         let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
         for (at, node) in line.nodes.iter().enumerate() {
             let machine = match &node.kind {
-                NodeKind::Station { machine, .. } => machine,
+                NodeKind::Station(station) => match &station.machine {
+                    Some(machine) => machine,
+                    None => continue,
+                },
                 NodeKind::Conveyor {
                     belt: Some(belt), ..
                 } => &belt.machine,

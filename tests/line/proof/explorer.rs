@@ -80,7 +80,8 @@ impl<'a> Explorer<'a> {
                         outlets.push((node, Some(*part)));
                     }
                 }
-                NodeKind::Station { tasks, .. } => {
+                NodeKind::Station(station) => {
+                    let tasks = &station.tasks;
                     for task in tasks {
                         let bill = &line.parts[task.part].bill;
                         let joins = !comes(task.part)
@@ -113,7 +114,7 @@ impl<'a> Explorer<'a> {
                 .iter()
                 .enumerate()
                 .map(|(node, declared)| match declared.kind {
-                    NodeKind::Station { .. } => Holds::Station {
+                    NodeKind::Station(_) => Holds::Station {
                         at_work: None,
                         free: true,
                         there: self.tasks[node]
@@ -205,7 +206,8 @@ impl<'a> Explorer<'a> {
             }
             match (&self.line.nodes[*node].kind, &state.holds[*node]) {
                 (NodeKind::Source { part, supply, most }, _) => {
-                    let timed = matches!(supply, Supply::Every { seconds, .. } if *seconds > 0.0);
+                    let timed =
+                        matches!(supply, Supply::Every { interval, .. } if !interval.is_zero());
                     if !timed && most.is_none_or(|most| state.in_line[*part] < most) {
                         let mut made = state.clone();
                         made.in_line[*part] += 1;
@@ -350,7 +352,7 @@ impl<'a> Explorer<'a> {
         let mut found = Vec::new();
         for (outlet, (node, _)) in self.outlets.iter().enumerate() {
             if let NodeKind::Source { part, supply, most } = &self.line.nodes[*node].kind {
-                let timed = matches!(supply, Supply::Every { seconds, .. } if *seconds > 0.0);
+                let timed = matches!(supply, Supply::Every { interval, .. } if !interval.is_zero());
                 let may = most.is_none_or(|most| state.in_line[*part] < most);
                 if timed && may && state.offers[outlet].is_none() {
                     let mut made = state.clone();

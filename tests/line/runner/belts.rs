@@ -149,8 +149,8 @@ fn a_line_like_the_laboratory() {
         .property("Product", "ok", InitialValue::Component(1, 0))
         .source("orders", "Printed", Supply::OnOrder)
         .station("printer", &["Printed"], constant(100.0))
-        .with_station("printer", |_, defects, _, _| {
-            defects.push(Defect {
+        .with_station("printer", |printer| {
+            printer.defects.push(Defect {
                 part: 1,
                 probability: 0.2,
                 properties: vec![0],

@@ -1,9 +1,10 @@
 //! Random small lines with all features: no part is lost, all time is booked, and the same seed
 //! gives the same run.
 
-use crate::models::{Builder, Shift1, Work, every, took};
+use crate::models::{Builder, Shift1, Work, at_random, every, failing, took};
+use linewright::contract::distribution::Distribution;
 use linewright::contract::line::{Defect, InitialValue, Supply};
-use linewright::contract::machine::{Failures, RealBinary, RealExpr};
+use linewright::contract::machine::{RealBinary, RealExpr};
 use linewright::line::random::Stream;
 use linewright::line::{End, Options, Plant, Trace};
 use linewright::station::{CallError, ErrorCode};
@@ -26,11 +27,7 @@ fn line(seed: u64, ample: bool) -> Builder {
         0 => Supply::OnOrder,
         1 => every(0.0, None),
         2 => every(1.0 + stream.unit() * 5.0, None),
-        _ => Supply::Every {
-            seconds: 3.0,
-            random: true,
-            limit: Some(40),
-        },
+        _ => at_random(3.0, Some(40)),
     };
     builder
         .store(
@@ -102,15 +99,12 @@ fn line(seed: u64, ample: bool) -> Builder {
     let broken = stream.below(2) == 0;
     let defects = stream.unit() * 0.3;
     let setup = stream.unit();
-    builder.with_station("cell", |_, list, seconds, failures| {
-        *seconds = setup;
+    builder.with_station("cell", |cell| {
+        cell.setup = Distribution::Constant(setup);
         if broken {
-            *failures = Some(Failures {
-                mtbf: 20.0,
-                mttr: 4.0,
-            });
+            cell.failures = failing(20.0, 4.0);
         }
-        list.push(Defect {
+        cell.defects.push(Defect {
             part: 2,
             probability: defects,
             properties: vec![0],

@@ -1,6 +1,6 @@
 //! The end of a run, its checks, and lines that are refused before they run.
 
-use crate::models::{Builder, constant, every, span};
+use crate::models::{Builder, at_random, constant, every, span};
 use linewright::contract::line::{Comparison, Limit, Metric, Requirement};
 use linewright::deadline::Deadline;
 use linewright::line::{End, Options, Plant};
@@ -123,15 +123,7 @@ fn the_help_for_a_requirement_fits_its_metric() {
 fn replications_use_different_seeds() {
     let mut builder = Builder::new(&["Part"]);
     builder
-        .source(
-            "source",
-            "Part",
-            linewright::contract::line::Supply::Every {
-                seconds: 5.0,
-                random: true,
-                limit: None,
-            },
-        )
+        .source("source", "Part", at_random(5.0, None))
         .buffer("buffer", 1000)
         .station("cell", &["Part"], constant(1.0))
         .sink("sink")

@@ -113,8 +113,8 @@ fn defects_come_at_their_rate_and_with_their_value() {
         .property("Part", "b", InitialValue::Number(0.0))
         .endless("source", "Part")
         .station("printer", &["Part"], constant(1.0))
-        .with_station("printer", |_, defects, _, _| {
-            defects.push(Defect {
+        .with_station("printer", |printer| {
+            printer.defects.push(Defect {
                 part: 0,
                 probability: 0.25,
                 properties: vec![0, 1],

@@ -1,7 +1,7 @@
 //! Setup, breakdowns, shifts, energy, and the booking of time.
 
-use crate::models::{Builder, constant, every};
-use linewright::contract::machine::Failures;
+use crate::models::{Builder, constant, every, failing};
+use linewright::contract::distribution::Distribution;
 use linewright::line::Trace;
 use linewright::line::trace::EventKind;
 
@@ -17,7 +17,9 @@ fn setup_passes_when_the_type_changes() {
         .source("b", "B", every(0.0, Some(2)))
         .buffer("mixed", 4)
         .station("cell", &["A", "B"], constant(10.0))
-        .with_station("cell", |_, _, setup, _| *setup = 3.0)
+        .with_station("cell", |station| {
+            station.setup = Distribution::Constant(3.0);
+        })
         .sink("sink")
         .route("A", &["a", "mixed", "cell", "sink"])
         .route("B", &["b", "mixed", "cell", "sink"]);
@@ -35,12 +37,7 @@ fn availability_follows_from_mtbf_and_mttr() {
     builder
         .endless("source", "Part")
         .station("cell", &["Part"], constant(7.0))
-        .with_station("cell", |_, _, _, failures| {
-            *failures = Some(Failures {
-                mtbf: 90.0,
-                mttr: 10.0,
-            });
-        })
+        .with_station("cell", |station| station.failures = failing(90.0, 10.0))
         .sink("sink")
         .route("Part", &["source", "cell", "sink"]);
     let trace = builder.run_until(2_000_000.0);
@@ -61,12 +58,7 @@ fn the_failure_clock_runs_only_at_work() {
     builder
         .source("source", "Part", every(40.0, None))
         .station("cell", &["Part"], constant(10.0))
-        .with_station("cell", |_, _, _, failures| {
-            *failures = Some(Failures {
-                mtbf: 50.0,
-                mttr: 5.0,
-            });
-        })
+        .with_station("cell", |station| station.failures = failing(50.0, 5.0))
         .sink("sink")
         .route("Part", &["source", "cell", "sink"]);
     let trace = builder.run_until(1_000_000.0);
@@ -216,7 +208,9 @@ fn the_bottleneck_counts_setup_and_repair() {
             builder.station(name, &["A", "B"], constant(seconds));
         }
         builder
-            .with_station("slow", |_, _, setup, _| *setup = 3.0)
+            .with_station("slow", |station| {
+                station.setup = Distribution::Constant(3.0);
+            })
             .sink("sink")
             .route("A", &["a", "slow", "works", "sink"])
             .route("B", &["b", "slow", "works", "sink"]);
@@ -228,12 +222,7 @@ fn the_bottleneck_counts_setup_and_repair() {
             builder.station(name, &["Part"], constant(seconds));
         }
         builder
-            .with_station("slow", |_, _, _, failures| {
-                *failures = Some(Failures {
-                    mtbf: 10.0,
-                    mttr: 20.0,
-                });
-            })
+            .with_station("slow", |station| station.failures = failing(10.0, 20.0))
             .sink("sink")
             .route("Part", &["source", "slow", "works", "sink"]);
         is_the_bottleneck(&builder.run_until(50_000.0));
@@ -255,12 +244,7 @@ fn the_failure_clock_goes_on_after_a_shift() {
     builder
         .endless("source", "Part")
         .station("cell", &["Part"], constant(1e7))
-        .with_station("cell", |_, _, _, failures| {
-            *failures = Some(Failures {
-                mtbf: 100.0,
-                mttr: 1.0,
-            });
-        })
+        .with_station("cell", |station| station.failures = failing(100.0, 1.0))
         .sink("sink")
         .route("Part", &["source", "cell", "sink"])
         .shift(0.0, 100.0);
@@ -325,12 +309,7 @@ fn a_repair_off_shift_is_failed() {
     builder
         .endless("source", "Part")
         .station("cell", &["Part"], constant(600.0))
-        .with_station("cell", |_, _, _, failures| {
-            *failures = Some(Failures {
-                mtbf: 600.0,
-                mttr: 1e8,
-            });
-        })
+        .with_station("cell", |station| station.failures = failing(600.0, 1e8))
         .sink("sink")
         .route("Part", &["source", "cell", "sink"])
         .shift(6.0 * HOUR, 14.0 * HOUR);

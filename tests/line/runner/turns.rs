@@ -1,6 +1,6 @@
 //! Turns: the oldest request that a node would accept, including belts.
 
-use crate::models::{Builder, Shift1, constant, every};
+use crate::models::{Builder, Shift1, at_random, constant, every};
 use linewright::contract::line::Supply;
 use linewright::line::random::Stream;
 use linewright::line::trace::EventKind;
@@ -239,11 +239,7 @@ fn fed(seed: u64) -> Fed {
         let supply = if feeder == Feeder::Source || stream.below(2) == 0 {
             every(0.0, None)
         } else {
-            Supply::Every {
-                seconds: 1.0 + stream.unit() * 4.0,
-                random: true,
-                limit: None,
-            }
+            at_random(1.0 + stream.unit() * 4.0, None)
         };
         match feeder {
             Feeder::Joined => {

@@ -126,7 +126,7 @@ fn a_run_reports_the_violation() {
         let station = line
             .nodes
             .iter()
-            .position(|n| matches!(n.kind, NodeKind::Station { .. }));
+            .position(|n| matches!(n.kind, NodeKind::Station(_)));
         let station = station.expect("a station");
         let controller: Box<dyn Controller> = Box::new(library(&controlled));
         let options = Options {

@@ -119,7 +119,7 @@ codes! {
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";
     ASSUMPTION_UNDISCHARGED = "LW303", "an assumption is not discharged";
     REQUEST_INCOMPLETE = "LW304", "an accepted request might never complete";
-    OPERATION = "LW306", "an operation does not fit its coordinator";
+    OPERATION = "LW306", "an operation or a station does not fit its machine";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";
     JUSTICE_CYCLE = "LW309", "justice assumptions depend on one another";

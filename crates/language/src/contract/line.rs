@@ -1,7 +1,8 @@
 //! Lines: stations, conveyors, buffers, sources, sinks and stores, and the routes of parts between
 //! them.
 
-use super::machine::{Failures, Machine, RealExpr};
+use super::distribution::Distribution;
+use super::machine::{FailureMode, Machine, RealExpr};
 use linewright_core::gr1::describe_domain;
 use linewright_core::source::Span;
 use std::sync::Arc;
@@ -159,19 +160,8 @@ pub enum NodeKind {
         /// Part types (indices) and their counts at the start.
         stock: Vec<(usize, u64)>,
     },
-    /// An instance of a machine that performs operations on one part at a time.
-    Station {
-        /// Machine of the station.
-        machine: Arc<Machine>,
-        /// Operations on each part type.
-        tasks: Vec<Task>,
-        /// Random defects.
-        defects: Vec<Defect>,
-        /// Setup time in seconds when the part type differs from the previous one.
-        setup_seconds: f64,
-        /// Breakdowns that the line declares or, if it declares none, the machine.
-        failures: Option<Failures>,
-    },
+    /// Works on one part at a time.
+    Station(Box<Station>),
     /// A conveyor that carries parts in their order.
     Conveyor {
         /// Capacity in parts.
@@ -210,14 +200,12 @@ pub struct Belt {
 }
 
 /// Times at which a source makes parts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Supply {
     /// One part per interval, the first at time 0.
     Every {
-        /// Interval in seconds; with 0 a part is made whenever there is room.
-        seconds: f64,
-        /// Whether the interval is exponentially distributed with mean `seconds`.
-        random: bool,
+        /// Interval; if it is always 0, a part is made whenever there is room.
+        interval: Distribution,
         /// Maximum number of parts in total; `None` for no limit.
         limit: Option<u64>,
     },
@@ -238,10 +226,10 @@ impl Line {
     /// order raises the limit.
     pub fn is_endless(&self, node: usize, part: usize) -> bool {
         match &self.nodes[node].kind {
-            NodeKind::Source { supply, .. } => match *supply {
+            NodeKind::Source { supply, .. } => match supply {
                 Supply::OnOrder => true,
-                Supply::Every { seconds, limit, .. } => {
-                    seconds <= 0.0
+                Supply::Every { interval, limit } => {
+                    interval.is_zero()
                         && (limit.is_none_or(|n| n >= ENDLESS_COUNT)
                             || self.is_reordered_from(node))
                 }
@@ -252,6 +240,12 @@ impl Line {
             }
             _ => false,
         }
+    }
+
+    /// Returns the stations that are given by their times.
+    pub fn stations_without_machine(&self) -> impl Iterator<Item = &Node> {
+        let nodes = self.nodes.iter();
+        nodes.filter(|node| matches!(&node.kind, NodeKind::Station(s) if s.machine.is_none()))
     }
 
     /// Returns whether a sink reorders from this source.
@@ -268,9 +262,10 @@ impl Line {
     /// Returns whether a station joins components to parts of this type; see [`Task::part`]. False
     /// for parts without a bill of materials.
     pub fn is_joined_at(&self, node: usize, part: usize) -> bool {
-        let NodeKind::Station { tasks, .. } = &self.nodes[node].kind else {
+        let NodeKind::Station(station) = &self.nodes[node].kind else {
             return false;
         };
+        let tasks = &station.tasks;
         let bill = &self.parts[part].bill;
         let has_task = |part: usize| tasks.iter().any(|t| t.part == part);
         // If the joined part itself has a route to the station, its components might only pass
@@ -281,6 +276,41 @@ impl Line {
                 .iter()
                 .all(|(c, _)| self.is_brought(node, *c) && !has_task(*c));
         has_task(part) && !bill.is_empty() && joins
+    }
+}
+
+/// A station: it works on one part at a time.
+#[derive(Debug, Clone)]
+pub struct Station {
+    /// Machine of the station. `None` for a station that is given by its times: it has no
+    /// controller, and its work takes as long as [`Task::time`] says.
+    pub machine: Option<Arc<Machine>>,
+    /// Work on each part type.
+    pub tasks: Vec<Task>,
+    /// Values that the station gives to the parts that it has worked on.
+    pub settings: Vec<Setting>,
+    /// Random defects, after the settings.
+    pub defects: Vec<Defect>,
+    /// Setup time, which passes when the part type differs from the previous one.
+    pub setup: Distribution,
+    /// Failure modes that the line declares or, if it declares none, the machine.
+    pub failures: Vec<FailureMode>,
+    /// Power drawn during work at a station without a machine, in watts.
+    pub watts: f64,
+    /// Power drawn when the station does not work, in watts.
+    pub idle_watts: f64,
+}
+
+impl Station {
+    /// Gives a part of this type the values that the station sets.
+    pub fn set_values(&self, part: usize, values: &mut [f64]) {
+        let mut new: Vec<(usize, f64)> = Vec::new();
+        for setting in self.settings.iter().filter(|s| s.part == part) {
+            new.push((setting.property, setting.value.eval(values, &[])));
+        }
+        for (property, value) in new {
+            values[property] = value;
+        }
     }
 }
 
@@ -300,11 +330,27 @@ pub struct Task {
     /// writes. `None` for parameters, and for properties that the part does not carry: these have
     /// the machine's default, and writes to them have no effect.
     pub properties: Vec<Option<usize>>,
+    /// Duration of the work at a station without a machine; `None` where a controller determines
+    /// the duration.
+    pub time: Option<Distribution>,
     /// Source position of the declaration.
     pub span: Span,
 }
 
-/// A random defect after a station's operations.
+/// A value that a station gives to a property of the parts that it has worked on.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    /// Affected part type.
+    pub part: usize,
+    /// Property of the part type.
+    pub property: usize,
+    /// New value, computed from the values before all settings of the station.
+    pub value: RealExpr,
+    /// Source position of the declaration.
+    pub span: Span,
+}
+
+/// A random defect after a station's work.
 #[derive(Debug, Clone)]
 pub struct Defect {
     /// Affected part type.

@@ -30,6 +30,7 @@
 //! structure for proofs.
 
 use super::TaxonomyCode;
+use super::distribution::Distribution;
 use crate::order::{Level, Skills};
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Side, Specification, UnaryOp, Variable, describe_domain,
@@ -72,8 +73,8 @@ pub struct Machine {
     pub idle_watts: f64,
     /// Number of steps after which an unfinished operation counts as failed.
     pub step_limit: u64,
-    /// Breakdowns, if any.
-    pub failures: Option<Failures>,
+    /// Failure modes.
+    pub failures: Vec<FailureMode>,
     /// Contracts that the machine is declared to refine.
     pub refines: Vec<RefinedContract>,
     /// Guarantees of the whole machine, over wires.
@@ -278,14 +279,28 @@ pub struct Operation {
     pub span: Span,
 }
 
-/// Breakdowns of a machine. Times between failures and times to repair are exponentially
-/// distributed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Failures {
-    /// Mean working time between failures, in seconds.
-    pub mtbf: f64,
-    /// Mean time to repair, in seconds.
-    pub mttr: f64,
+/// A way in which a machine breaks down. While it is broken down, it does not work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailureMode {
+    /// Name of the mode; empty for the only one that needs none.
+    pub name: String,
+    /// What lies between the end of a repair and the next failure.
+    pub between: Between,
+    /// Time to repair.
+    pub repair: Distribution,
+    /// Whether interrupted work begins again after the repair. If not, it resumes where it stopped.
+    pub restarts: bool,
+}
+
+/// What lies between the end of a repair and the next failure.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Between {
+    /// Time in which the machine works on a part.
+    Working(Distribution),
+    /// Time by the calendar. A machine can break down while it waits.
+    Calendar(Distribution),
+    /// A number of finished parts, at least 1.
+    Parts(u64),
 }
 
 /// An expression over real numbers, as computed by the plant. Truth values are 0 and 1.

@@ -63,7 +63,8 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                     continue;
                 }
                 NodeKind::Source { .. } if arrives => continue,
-                NodeKind::Station { tasks, .. } => {
+                NodeKind::Station(station) => {
+                    let tasks = &station.tasks;
                     let joins = tasks
                         .iter()
                         .any(|t| line.parts[t.part].bill.iter().any(|(p, _)| *p == part));
@@ -131,7 +132,7 @@ fn report_isolated(line: &Line, findings: &mut Vec<Diagnostic>) {
         let needs_none = match &place.kind {
             NodeKind::Source { .. } => true,
             NodeKind::Store { stock } => !stock.is_empty(),
-            NodeKind::Station { .. } => !line.routes.iter().any(|r| r.from == node),
+            NodeKind::Station(_) => !line.routes.iter().any(|r| r.from == node),
             _ => false,
         };
         if !needs_none && !line.routes.iter().any(|r| r.to == node) {
@@ -196,7 +197,7 @@ fn origins(line: &Line, part: usize) -> Vec<usize> {
         .filter(|(i, n)| match &n.kind {
             NodeKind::Source { part: p, .. } => *p == part,
             NodeKind::Store { stock } => stock.iter().any(|(p, _)| *p == part),
-            NodeKind::Station { .. } => line.is_joined_at(*i, part),
+            NodeKind::Station(_) => line.is_joined_at(*i, part),
             _ => false,
         })
         .map(|(i, _)| i)
@@ -208,10 +209,10 @@ fn missing_origin(line: &Line, part: usize) -> String {
     let kind = &line.parts[part].name;
     let mut stations = line.nodes.iter().enumerate();
     let passed = stations.find(|(i, n)| {
-        let NodeKind::Station { tasks, .. } = &n.kind else {
+        let NodeKind::Station(station) = &n.kind else {
             return false;
         };
-        let has_task = tasks.iter().any(|t| t.part == part);
+        let has_task = station.tasks.iter().any(|t| t.part == part);
         has_task && !line.parts[part].bill.is_empty() && line.is_brought(*i, part)
     });
     match passed {

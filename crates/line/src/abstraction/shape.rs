@@ -535,8 +535,12 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
                 leaves: stays,
             }
         }
-        NodeKind::Station { tasks, .. } => PlaceKind::Station {
-            tasks: tasks.iter().map(|t| work(line, node, t.part)).collect(),
+        NodeKind::Station(station) => PlaceKind::Station {
+            tasks: station
+                .tasks
+                .iter()
+                .map(|t| work(line, node, t.part))
+                .collect(),
         },
         NodeKind::Conveyor { places, belt, .. } => PlaceKind::Conveyor {
             places: *places,

@@ -171,12 +171,12 @@ impl Writer<'_> {
         match refused.refusal.error.code {
             ErrorCode::Limit => {
                 let station = self.walk.stations[vertex.node].as_ref();
-                let NodeKind::Station { tasks, .. } = &self.line().nodes[vertex.node].kind else {
+                let NodeKind::Station(declared) = &self.line().nodes[vertex.node].kind else {
                     return String::new();
                 };
                 let needed = station.and_then(|station| {
                     let call = &station.calls[refused.call];
-                    station.steps_needed(refused.state, &tasks[call.task], call, self.walk.bounds.steps)
+                    station.steps_needed(refused.state, &declared.tasks[call.task], call, self.walk.bounds.steps)
                 });
                 match needed {
                     Some(steps) => format!(
@@ -207,13 +207,13 @@ impl Writer<'_> {
         earlier: &[usize],
         refused: &Refused<'_>,
     ) -> Vec<&'m str> {
-        let NodeKind::Station { tasks, .. } = &self.line().nodes[node].kind else {
+        let NodeKind::Station(declared) = &self.line().nodes[node].kind else {
             return Vec::new();
         };
         let Some(station) = &self.walk.stations[node] else {
             return Vec::new();
         };
-        let of_call = |call: usize| tasks[station.calls[call].task].operations.iter();
+        let of_call = |call: usize| declared.tasks[station.calls[call].task].operations.iter();
         let name = |operation: usize| machine.operations[operation].name.as_str();
         let mut asked: Vec<&str> = earlier
             .iter()
@@ -249,7 +249,7 @@ impl Writer<'_> {
         let part = &self.line().parts[vertex.part];
         let property = &part.properties[violation.property];
         let defect = match &node.kind {
-            NodeKind::Station { defects, .. } => violation.defect.map(|d| &defects[d]),
+            NodeKind::Station(station) => violation.defect.map(|d| &station.defects[d]),
             _ => None,
         };
         let range = property.describe();
@@ -371,7 +371,7 @@ impl Writer<'_> {
 
     /// Whether a node is a station that no part ever reaches.
     fn is_idle_station(&self, node: usize) -> bool {
-        let is_station = matches!(self.line().nodes[node].kind, NodeKind::Station { .. });
+        let is_station = matches!(self.line().nodes[node].kind, NodeKind::Station(_));
         is_station && !self.walk.vertices.iter().any(|v| v.node == node)
     }
 

@@ -174,10 +174,10 @@ fn is_alone(line: &Line, taken: &[bool], route: usize) -> bool {
     })
 }
 
-/// The machine of a station; `None` if the node is not a station.
+/// The machine of a station; `None` if the node is not a station, or has no machine.
 fn machine_of(line: &Line, node: usize) -> Option<&Machine> {
     match &line.nodes[node].kind {
-        NodeKind::Station { machine, .. } => Some(machine),
+        NodeKind::Station(station) => station.machine.as_deref(),
         _ => None,
     }
 }

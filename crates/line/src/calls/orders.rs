@@ -213,7 +213,7 @@ impl<'a> LastOrders<'a> {
         let holds = |node: &usize| {
             matches!(
                 self.line.nodes[*node].kind,
-                NodeKind::Station { .. } | NodeKind::Conveyor { .. } | NodeKind::Buffer { .. }
+                NodeKind::Station(_) | NodeKind::Conveyor { .. } | NodeKind::Buffer { .. }
             )
         };
         nodes.filter(holds).collect()
@@ -222,10 +222,10 @@ impl<'a> LastOrders<'a> {
     /// Whether these two types are at a station only because one of them is joined to the other, or
     /// both to the same.
     fn meet_to_be_joined(&self, station: usize, a: usize, b: usize) -> bool {
-        let NodeKind::Station { tasks, .. } = &self.line.nodes[station].kind else {
+        let NodeKind::Station(declared) = &self.line.nodes[station].kind else {
             return false;
         };
-        let has_task = |part: usize| tasks.iter().any(|task| task.part == part);
+        let has_task = |part: usize| declared.tasks.iter().any(|task| task.part == part);
         self.joins
             .iter()
             .filter(|j| j.station == station)

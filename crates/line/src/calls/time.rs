@@ -71,6 +71,12 @@ fn seconds(walk: &Walk<'_>, node: usize, call: usize) -> impl Iterator<Item = f6
 
 /// Whether a station can work on a part in no time.
 fn is_quick(walk: &Walk<'_>, node: usize) -> bool {
+    if let NodeKind::Station(station) = &walk.line.nodes[node].kind
+        && station.machine.is_none()
+    {
+        let mut times = station.tasks.iter().filter_map(|task| task.time.as_ref());
+        return times.any(|time| !time.takes_time());
+    }
     let calls = walk.stations[node].as_ref().map_or(0, |d| d.calls.len());
     (0..calls).any(|call| seconds(walk, node, call).any(|s| s < MIN_SECONDS))
 }
@@ -86,6 +92,7 @@ fn edges(walk: &Walk<'_>, at: usize) -> Vec<Edge> {
                 let free = seconds(walk, vertex.node, call).any(quick);
                 (free, free && known.all(quick))
             }
+            (Stage::Served, None) if vertex.takes_time => (false, false),
             (Stage::Leaves, _) if on_belt => (false, false),
             _ => (true, true),
         };

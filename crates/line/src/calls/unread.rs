@@ -87,19 +87,22 @@ impl<'a> Flows<'a> {
             }
         }
         for node in &line.nodes {
-            let NodeKind::Station {
-                machine,
-                tasks,
-                defects,
-                ..
-            } = &node.kind
-            else {
+            let NodeKind::Station(station) = &node.kind else {
                 continue;
             };
-            for task in tasks {
-                flows.task(line, machine, task);
+            if let Some(machine) = &station.machine {
+                for task in &station.tasks {
+                    flows.task(line, machine, task);
+                }
             }
-            for defect in defects {
+            for setting in &station.settings {
+                let first = flows.first[setting.part];
+                let count = line.parts[setting.part].properties.len();
+                let slots = (first..first + count).collect();
+                let value = Value::Computed(&setting.value, slots, None);
+                flows.changes.push((first + setting.property, value));
+            }
+            for defect in &station.defects {
                 let first = flows.first[defect.part];
                 let count = line.parts[defect.part].properties.len();
                 for &property in &defect.properties {

@@ -9,6 +9,7 @@ use super::station::{Answer, Refusal, StationModel};
 use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
 use crate::undecided::UndecidedReason;
+use linewright_language::contract::distribution::Distribution;
 use linewright_language::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::Limits;
@@ -51,6 +52,9 @@ pub(super) struct Vertex {
     pub choice: Choice,
     /// Index of the call that the part makes at its station, if any.
     pub call: Option<usize>,
+    /// Whether the part is worked on at a station without a machine, and this work takes time with
+    /// probability 1.
+    pub takes_time: bool,
     /// Index of the route by which the part leaves, if any.
     pub route: Option<usize>,
 }
@@ -249,6 +253,7 @@ impl<'a> Walk<'a> {
             next: BTreeSet::new(),
             choice: Choice::Open,
             call: None,
+            takes_time: false,
             route: None,
         });
         self.known.insert(key, index);
@@ -283,7 +288,7 @@ impl<'a> Walk<'a> {
                     let values = self.vertices[at].values.clone();
                     self.connect(at, Stage::Leaves, node, part, values);
                 }
-                NodeKind::Station { .. } => self.come_to_station(at),
+                NodeKind::Station(_) => self.come_to_station(at),
             },
         }
     }
@@ -309,7 +314,7 @@ impl<'a> Walk<'a> {
 
     fn tasks(&self, node: usize) -> &'a [Task] {
         match &self.line.nodes[node].kind {
-            NodeKind::Station { tasks, .. } => tasks,
+            NodeKind::Station(station) => &station.tasks,
             _ => &[],
         }
     }
@@ -422,6 +427,10 @@ impl<'a> Walk<'a> {
             return;
         }
         let Some(machine) = machine_of(self.line, node) else {
+            // Without a machine, only the settings change the part.
+            let work = &self.tasks(node)[task].time;
+            self.vertices[at].takes_time = work.as_ref().is_some_and(Distribution::takes_time);
+            self.finish_work(at, &ordered(&values));
             return;
         };
         let sources = machine
@@ -474,9 +483,7 @@ impl<'a> Walk<'a> {
     }
 
     fn served(&mut self, at: usize, answer: &Answer) {
-        let Vertex {
-            node, part, call, ..
-        } = self.vertices[at];
+        let Vertex { node, call, .. } = self.vertices[at];
         let (Some(call), Some(station)) = (call, &self.stations[node]) else {
             return;
         };
@@ -487,15 +494,27 @@ impl<'a> Walk<'a> {
                 values[*target] = *value;
             }
         }
-        self.connect(at, Stage::Served, node, part, values);
+        self.finish_work(at, &values);
+    }
+
+    /// Lets a part with these values have the values that its station sets.
+    fn finish_work(&mut self, at: usize, values: &[Real]) {
+        let Vertex { node, part, .. } = self.vertices[at];
+        let NodeKind::Station(station) = &self.line.nodes[node].kind else {
+            return;
+        };
+        let mut values = plain(values);
+        station.set_values(part, &mut values);
+        self.connect(at, Stage::Served, node, part, ordered(&values));
     }
 
     /// Applies the defects of a station to a part: each occurs or not, by chance.
     fn defects(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
-        let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
+        let NodeKind::Station(station) = &self.line.nodes[node].kind else {
             return;
         };
+        let defects = &station.defects;
         let declared = &self.line.parts[part];
         let values = plain(&self.vertices[at].values);
         let mut outcomes: BTreeSet<Vec<Real>> = BTreeSet::from([ordered(&values)]);

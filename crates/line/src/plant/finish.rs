@@ -14,12 +14,15 @@ impl Run<'_> {
         let (now, on_shift) = (self.now, self.on_shift);
         for (index, node) in self.line.nodes.iter().enumerate() {
             match (&node.kind, &mut self.places[index]) {
-                (NodeKind::Station { machine, .. }, Place::Station(station)) => {
-                    station.close(now, machine.idle_watts, on_shift);
+                (NodeKind::Station(declared), Place::Station(station)) => {
+                    station.close(now, declared.idle_watts, on_shift);
                     stations.push(StationStatistics {
                         node: index,
                         name: node.name.clone(),
-                        machine: machine.name.clone(),
+                        machine: declared
+                            .machine
+                            .as_ref()
+                            .map(|machine| machine.name.clone()),
                         processed: station.processed,
                         shares: station.clock.shares(station.visited),
                         busy_seconds: station.clock.seconds(Activity::Busy),
@@ -135,7 +138,7 @@ fn machines(
 ) -> Vec<MachineStatistics> {
     let of_stations = stations
         .iter()
-        .map(|s| (&s.machine, s.busy_seconds, s.joules));
+        .filter_map(|s| s.machine.as_ref().map(|m| (m, s.busy_seconds, s.joules)));
     let of_belts = conveyors
         .iter()
         .filter_map(|c| c.machine.as_ref().map(|m| (m, c.moving_seconds, c.joules)));

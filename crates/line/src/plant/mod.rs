@@ -9,6 +9,7 @@ mod belt;
 mod blocked;
 mod conveyor;
 mod counters;
+mod failures;
 mod finish;
 mod flow;
 mod journal;
@@ -71,6 +72,8 @@ enum Event {
     /// Setup or service ends, or the station breaks down; the event is outdated if its number
     /// differs from the station's.
     Station(u32, u32),
+    /// A station breaks down by the calendar, in this of its failure modes.
+    Failure(u32, u32),
     /// A station is repaired.
     Repair(u32),
     /// A source's next part is due.
@@ -83,6 +86,14 @@ enum Event {
     Tick(u32),
     /// A shift begins or ends.
     Shift,
+}
+
+impl Event {
+    /// Whether the event can set something going in a line in which nothing moves: all except
+    /// shifts, which are handled separately, and failures.
+    fn sets_going(self) -> bool {
+        !matches!(self, Self::Shift | Self::Failure(..))
+    }
 }
 
 /// Priorities of events at one instant: first stations, sources and conveyors; then the shift, so
@@ -111,7 +122,7 @@ struct Run<'a> {
     seed: u64,
     now: f64,
     calendar: Calendar<Event>,
-    /// Number of scheduled events that can change something: all except those of the shift.
+    /// Number of scheduled events that can set something going: see [`Event::sets_going`].
     pending: u64,
     events: u64,
     on_shift: bool,
@@ -250,9 +261,9 @@ impl<'a> Run<'a> {
                 )),
                 NodeKind::Sink { .. } => Place::Sink,
                 NodeKind::Store { stock } => Place::Store(Store::new(stock, line.parts.len())),
-                NodeKind::Station { tasks, .. } => {
-                    Place::Station(Box::new(Station::new(line, index, tasks, seed, on_shift)))
-                }
+                NodeKind::Station(declared) => Place::Station(Box::new(Station::new(
+                    line, index, declared, seed, on_shift,
+                ))),
                 NodeKind::Conveyor {
                     belt: Some(belt), ..
                 } => Place::Belt(Box::new(BeltState::new(belt))),
@@ -289,6 +300,7 @@ impl<'a> Run<'a> {
         }
         self.schedule_shift();
         for node in 0..self.places.len() {
+            self.schedule_failures(node);
             self.look_at(node);
         }
         self.settle();
@@ -325,11 +337,12 @@ impl<'a> Run<'a> {
     }
 
     fn happen(&mut self, event: Event) {
-        if !matches!(event, Event::Shift) {
+        if event.sets_going() {
             self.pending -= 1;
         }
         match event {
             Event::Station(node, number) => self.station_event(node as usize, number),
+            Event::Failure(node, mode) => self.break_down(node as usize, mode as usize),
             Event::Repair(node) => self.repair(node as usize),
             Event::Due(node) => self.due(node as usize),
             Event::Arrival(node) => self.arrival(node as usize),
@@ -340,7 +353,7 @@ impl<'a> Run<'a> {
     }
 
     fn schedule(&mut self, time: f64, priority: u8, event: Event) {
-        if !matches!(event, Event::Shift) {
+        if event.sets_going() {
             self.pending += 1;
         }
         self.calendar.schedule(time, priority, event);

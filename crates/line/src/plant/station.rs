@@ -1,12 +1,14 @@
 //! Stations: admission, joining, setup, service, breakdowns and shifts.
 
+use super::failures::Failures;
 use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
+use crate::sampler::Sampler;
 use crate::statistics::{Activity, Clock};
 use crate::trace::EventKind;
-use linewright_language::contract::line::{Line, NodeKind, Task};
-use linewright_language::contract::machine::{Failures, PropertyKind};
+use linewright_language::contract::line::{self, Line, NodeKind};
+use linewright_language::contract::machine::PropertyKind;
 use linewright_station::{CallError, ErrorCode};
 
 /// State of a station.
@@ -30,17 +32,18 @@ pub(super) struct Station {
     /// Whether setup or service is in progress, not interrupted by a breakdown or the end of a
     /// shift.
     running: bool,
-    pub failed: bool,
     /// Only the event with this number is valid.
     number: u32,
-    failures: Option<(Failures, Stream)>,
-    /// Seconds of service until the next breakdown.
-    until_failure: f64,
+    pub failures: Failures,
+    setup: Sampler,
+    /// By task: the duration of the work; `None` if a controller determines it.
+    times: Vec<Option<Sampler>>,
     defects: Stream,
     /// The part's properties after the current service, and the machine's properties during it.
     outcome: Vec<f64>,
     values: Vec<f64>,
-    service_seconds: f64,
+    /// Duration of this phase.
+    phase_seconds: f64,
     service_joules: f64,
     // Time and energy accounts.
     pub clock: Clock,
@@ -72,16 +75,20 @@ pub(super) struct Bill {
 }
 
 impl Station {
-    pub(super) fn new(line: &Line, node: usize, tasks: &[Task], seed: u64, on_shift: bool) -> Self {
-        let declared = &line.nodes[node];
-        let failures = match &declared.kind {
-            NodeKind::Station { failures, .. } => *failures,
-            _ => None,
-        };
-        let mut failures = failures.map(|f| (f, stream(seed, Purpose::Failures, &declared.name)));
-        let until_failure = failures
-            .as_mut()
-            .map_or(f64::INFINITY, |(f, stream)| stream.exponential(f.mtbf));
+    pub(super) fn new(
+        line: &Line,
+        node: usize,
+        station: &line::Station,
+        seed: u64,
+        on_shift: bool,
+    ) -> Self {
+        let name = &line.nodes[node].name;
+        let tasks = &station.tasks;
+        let times = tasks.iter().map(|task| {
+            let of = format!("{name}.{}", line.parts[task.part].name);
+            let draws = stream(seed, Purpose::Service, &of);
+            task.time.as_ref().map(|time| Sampler::new(time, draws))
+        });
         Self {
             bills: tasks
                 .iter()
@@ -109,14 +116,14 @@ impl Station {
             remaining: 0.0,
             resumed: 0.0,
             running: false,
-            failed: false,
             number: 0,
-            failures,
-            until_failure,
-            defects: stream(seed, Purpose::Defects, &declared.name),
+            failures: Failures::new(name, &station.failures, seed),
+            setup: Sampler::new(&station.setup, stream(seed, Purpose::Setup, name)),
+            times: times.collect(),
+            defects: stream(seed, Purpose::Defects, name),
             outcome: Vec::new(),
             values: Vec::new(),
-            service_seconds: 0.0,
+            phase_seconds: 0.0,
             service_joules: 0.0,
             clock: Clock::new(if on_shift {
                 Activity::Starved
@@ -131,8 +138,12 @@ impl Station {
 
     /// Whether the station takes a part of this type now.
     pub(super) fn admits(&self, kind: usize, on_shift: bool) -> bool {
-        self.lacks(kind)
-            || (self.phase == Phase::Free && on_shift && self.plain_task(kind).is_some())
+        self.lacks(kind) || (self.can_begin(on_shift) && self.plain_task(kind).is_some())
+    }
+
+    /// Whether the station can begin to work on a part.
+    fn can_begin(&self, on_shift: bool) -> bool {
+        self.phase == Phase::Free && on_shift && !self.failures.is_failed()
     }
 
     /// Whether there is a free place for a component of this type.
@@ -198,20 +209,36 @@ impl Station {
     }
 
     /// Interrupts setup or service, and subtracts the work done.
-    fn pause(&mut self, now: f64) {
+    pub(super) fn pause(&mut self, now: f64) {
         if std::mem::take(&mut self.running) {
             let worked = (now - self.resumed).min(self.remaining);
             self.remaining -= worked;
             if self.phase == Phase::Service {
-                self.until_failure = (self.until_failure - worked).max(0.0);
+                self.failures.worked(worked);
             }
+        }
+    }
+
+    /// Begins the interrupted setup or service again. The energy of the work that was lost is used
+    /// nevertheless.
+    pub(super) fn restart(&mut self) {
+        self.joules += self.joules_so_far();
+        self.remaining = self.phase_seconds;
+    }
+
+    /// Energy that the service in progress has used, in joules.
+    fn joules_so_far(&self) -> f64 {
+        if self.phase == Phase::Service && self.phase_seconds > 0.0 {
+            self.service_joules * (1.0 - self.remaining / self.phase_seconds).clamp(0.0, 1.0)
+        } else {
+            0.0
         }
     }
 
     /// Books time from now on under the current activity.
     fn book(&mut self, now: f64, on_shift: bool) {
         let activity = match self.phase {
-            _ if self.failed => Activity::Failed,
+            _ if self.failures.is_failed() => Activity::Failed,
             _ if !on_shift => Activity::Idle,
             Phase::Free => Activity::Starved,
             Phase::Setup => Activity::Setup,
@@ -234,16 +261,13 @@ impl Station {
     pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
         self.pause(now);
         self.book(now, on_shift);
-        if self.phase == Phase::Service && self.service_seconds > 0.0 {
-            self.joules +=
-                self.service_joules * (1.0 - self.remaining / self.service_seconds).clamp(0.0, 1.0);
-        }
+        self.joules += self.joules_so_far();
         self.joules += idle_watts * (now - self.clock.seconds(Activity::Busy)).max(0.0);
     }
 }
 
 impl Run<'_> {
-    fn station(&mut self, node: usize) -> &mut Station {
+    pub(super) fn station(&mut self, node: usize) -> &mut Station {
         match &mut self.places[node] {
             Place::Station(station) => station,
             _ => unreachable!("node {node} is not a station; please report this"),
@@ -280,7 +304,7 @@ impl Run<'_> {
         let Place::Station(station) = &self.places[node] else {
             return;
         };
-        if station.phase != Phase::Free || !on_shift {
+        if !station.can_begin(on_shift) {
             return;
         }
         let complete = station
@@ -373,18 +397,17 @@ impl Run<'_> {
 
     /// Begins to process a part, with setup first if the part type has changed.
     fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
-        let NodeKind::Station { setup_seconds, .. } = self.line.nodes[node].kind else {
-            return;
-        };
         let station = self.station(node);
         let kind = station.kinds[task];
         let changed = station.last_kind.is_some_and(|last| last != kind);
         station.last_kind = Some(kind);
         station.part = Some(part);
         station.task = task;
-        if changed && setup_seconds > 0.0 {
+        let seconds = if changed { station.setup.draw() } else { 0.0 };
+        if seconds > 0.0 {
             station.phase = Phase::Setup;
-            station.remaining = setup_seconds;
+            station.phase_seconds = seconds;
+            station.remaining = seconds;
             self.record(node, Some(part), EventKind::SetupStarted);
             self.resume(node);
         } else {
@@ -403,7 +426,7 @@ impl Run<'_> {
                 let station = self.station(node);
                 station.phase = Phase::Service;
                 station.remaining = seconds;
-                station.service_seconds = seconds;
+                station.phase_seconds = seconds;
                 station.service_joules = joules;
                 self.resume(node);
             }
@@ -414,19 +437,24 @@ impl Run<'_> {
     /// Simulates the task's operations at one instant. Returns seconds and joules. The part's new
     /// properties are stored in `outcome` until the end of the service.
     fn simulate(&mut self, node: usize, part: PartIndex) -> Result<(f64, f64), CallError> {
-        let NodeKind::Station { machine, tasks, .. } = &self.line.nodes[node].kind else {
-            return Ok((0.0, 0.0));
-        };
-        let Some(controller) = &mut self.controllers[node] else {
+        let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
             return Ok((0.0, 0.0));
         };
         let Place::Station(station) = &mut self.places[node] else {
             return Ok((0.0, 0.0));
         };
-        let task = &tasks[station.task];
         let carried = &self.parts[part].properties;
         station.outcome.clear();
         station.outcome.extend_from_slice(carried);
+        if let Some(time) = &mut station.times[station.task] {
+            let seconds = time.draw();
+            return Ok((seconds, seconds * declared.watts));
+        }
+        let (Some(controller), Some(machine)) = (&mut self.controllers[node], &declared.machine)
+        else {
+            return Ok((0.0, 0.0));
+        };
+        let task = &declared.tasks[station.task];
         let values = &mut station.values;
         values.clear();
         values.extend(
@@ -468,14 +496,14 @@ impl Run<'_> {
         let (now, on_shift) = (self.now, self.on_shift);
         let station = self.station(node);
         station.book(now, on_shift);
-        if station.failed || !on_shift || station.running {
+        if station.failures.is_failed() || !on_shift || station.running {
             return;
         }
         station.running = true;
         station.resumed = now;
         station.number = station.number.wrapping_add(1);
         let seconds = if station.phase == Phase::Service {
-            station.remaining.min(station.until_failure)
+            station.remaining.min(station.failures.seconds_left())
         } else {
             station.remaining
         };
@@ -485,33 +513,32 @@ impl Run<'_> {
 
     /// Setup or service ends, or the station breaks down.
     pub(super) fn station_event(&mut self, node: usize, number: u32) {
-        let now = self.now;
         let station = self.station(node);
         if !station.running || station.number != number {
             return;
         }
-        let fails = station.phase == Phase::Service && station.until_failure < station.remaining;
+        let until_failure = if station.phase == Phase::Service {
+            station.failures.seconds_left()
+        } else {
+            f64::INFINITY
+        };
+        let fails = until_failure < station.remaining;
         // The exact duration, not the difference of two times, because rounding must not leave a
         // remainder of the service.
         let worked = if fails {
-            station.until_failure
+            until_failure
         } else {
             station.remaining
         };
         station.running = false;
         station.remaining -= worked;
         if station.phase == Phase::Service {
-            station.until_failure -= worked;
+            station.failures.worked(worked);
         }
         if fails {
-            station.failed = true;
-            let repair = station.failures.as_mut().map_or(0.0, |(failures, stream)| {
-                station.until_failure = stream.exponential(failures.mtbf);
-                stream.exponential(failures.mttr)
-            });
-            station.clock.switch(now, Activity::Failed);
-            self.record(node, None, EventKind::Failed);
-            self.schedule(now + repair, WORK, Event::Repair(node as u32));
+            if let Some(mode) = station.failures.strike_at_work() {
+                self.break_down(node, mode);
+            }
         } else if station.phase == Phase::Setup {
             self.serve_part(node);
         } else {
@@ -519,20 +546,26 @@ impl Run<'_> {
         }
     }
 
-    /// A station is repaired.
-    pub(super) fn repair(&mut self, node: usize) {
-        self.station(node).failed = false;
-        self.record(node, None, EventKind::Repaired);
-        self.resume(node);
+    /// Lets a repaired station continue or begin its work.
+    pub(super) fn work_again(&mut self, node: usize) {
+        let (now, on_shift) = (self.now, self.on_shift);
+        let station = self.station(node);
+        if matches!(station.phase, Phase::Setup | Phase::Service) {
+            self.resume(node);
+        } else {
+            station.book(now, on_shift);
+            self.look_at(node);
+        }
     }
 
     /// Ends the service: the part receives its new properties and possibly random defects, and
     /// leaves when it can.
     fn end_service(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
-        let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
+        let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
             return;
         };
+        let defects = &declared.defects;
         let Place::Station(station) = &mut self.places[node] else {
             return;
         };
@@ -542,6 +575,7 @@ impl Run<'_> {
         station.phase = Phase::Done;
         let finished = &mut self.parts[part];
         finished.properties.clone_from(&station.outcome);
+        declared.set_values(finished.kind, &mut finished.properties);
         for defect in defects.iter().filter(|d| d.part == finished.kind) {
             if defect.properties.is_empty() || !station.defects.chance(defect.probability) {
                 continue;
@@ -556,6 +590,9 @@ impl Run<'_> {
         }
         station.book(now, on_shift);
         self.record(node, Some(part), EventKind::Ended);
+        for mode in self.station(node).failures.part_finished() {
+            self.break_down(node, mode);
+        }
         if self.refuse_out_of_range(node, part) {
             return;
         }
@@ -579,11 +616,7 @@ impl Run<'_> {
         if !on_shift {
             station.pause(now);
         }
-        if on_shift && matches!(station.phase, Phase::Setup | Phase::Service) {
-            self.resume(node);
-        } else {
-            station.book(now, on_shift);
-        }
+        self.work_again(node);
         self.look_at(node);
     }
 }

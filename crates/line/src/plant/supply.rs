@@ -2,7 +2,8 @@
 
 use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
-use crate::random::{Purpose, Stream};
+use crate::random::Purpose;
+use crate::sampler::Sampler;
 use crate::trace::EventKind;
 use linewright_language::contract::line::{NodeKind, Supply};
 use std::collections::VecDeque;
@@ -14,9 +15,8 @@ pub(super) struct Source {
     made: u64,
     /// Number of parts still to make; `None` if unlimited.
     left_to_make: Option<u64>,
-    /// Mean seconds between two parts, with the random stream if the times are random; `None` if
-    /// the source makes a part whenever there is room.
-    interval: Option<(f64, Option<Stream>)>,
+    /// Draws the time between two parts; `None` if the source makes a part whenever there is room.
+    interval: Option<Sampler>,
     /// Whether the next part is due; if not, it is due at `next_due`.
     due: bool,
     next_due: f64,
@@ -26,18 +26,11 @@ impl Source {
     /// Creates a source. `orders` is the number of parts to make if the source is on order; `None`
     /// if unlimited.
     pub(super) fn new(name: &str, supply: &Supply, seed: u64, orders: Option<u64>) -> Self {
-        let (left_to_make, interval) = match *supply {
+        let (left_to_make, interval) = match supply {
             Supply::OnOrder => (orders, None),
-            Supply::Every {
-                seconds,
-                random,
-                limit,
-            } => {
-                let draws = || stream(seed, Purpose::Arrivals, name);
-                (
-                    limit,
-                    (seconds > 0.0).then(|| (seconds, random.then(draws))),
-                )
+            Supply::Every { interval, limit } => {
+                let draws = || Sampler::new(interval, stream(seed, Purpose::Arrivals, name));
+                (*limit, (!interval.is_zero()).then(draws))
             }
         };
         Self {
@@ -118,13 +111,9 @@ impl Run<'_> {
         if let Some(left) = &mut source.left_to_make {
             *left -= 1;
         }
-        if let Some((seconds, random)) = &mut source.interval {
-            let seconds = *seconds;
+        if let Some(interval) = &mut source.interval {
             source.due = false;
-            source.next_due = self.now
-                + random
-                    .as_mut()
-                    .map_or(seconds, |stream| stream.exponential(seconds));
+            source.next_due = self.now + interval.draw();
             if !source.exhausted() {
                 let time = source.next_due;
                 self.schedule(time, WORK, Event::Due(node as u32));

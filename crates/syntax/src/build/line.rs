@@ -1,10 +1,13 @@
 //! Builds lines: parts, places and routes.
 
-use super::super::ast::{Line, LineItem, PartCount, StationItem, Supply};
+use super::super::ast::{
+    Between, Failures, Line, LineItem, Outcome, PartCount, StationItem, Supply, TimeValue,
+};
 use super::super::parser::Rule;
 use super::expression::binary_op;
 use super::{Builder, Children};
 use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::Span;
 use pest::iterators::Pair;
 
 impl Builder {
@@ -103,10 +106,10 @@ impl Builder {
                 } else {
                     let mut c = Children::of(supply);
                     let random = c.take(Rule::random).is_some();
-                    let seconds = self.expr(c.next());
+                    let interval = self.duration(c.next());
                     let limit = c.take(Rule::integer).map(|i| self.count(&i));
                     Supply::Every {
-                        seconds,
+                        interval,
                         random,
                         limit,
                     }
@@ -187,7 +190,7 @@ impl Builder {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
         let name = self.name(&c.next());
-        let machine = self.name(&c.next());
+        let machine = c.take(Rule::path).map(|p| self.name(&p));
         let arguments = c.take(Rule::arguments);
         let arguments = self.arguments(arguments);
         let mut items = Vec::new();
@@ -199,6 +202,7 @@ impl Builder {
                 unparsed.push(second_word(item.as_str()));
                 continue;
             }
+            let span = self.span(&item);
             let mut c = Children::of(item);
             items.push(match rule {
                 Rule::s_perform => {
@@ -211,8 +215,25 @@ impl Builder {
                         part: self.name(&c.next()),
                     }
                 }
-                Rule::s_setup => StationItem::Setup(self.expr(c.next())),
-                Rule::m_failures => StationItem::Failures(self.expr(c.next()), self.expr(c.next())),
+                Rule::s_takes => StationItem::Takes {
+                    duration: self.duration(c.next()),
+                    part: c.take(Rule::name).map(|n| self.name(&n)),
+                },
+                Rule::s_sets => {
+                    let property = self.name(&c.next());
+                    let index = c.take(Rule::index);
+                    let index = index.map(|i| self.expr(Children::of(i).next()));
+                    StationItem::Sets {
+                        property,
+                        index,
+                        value: self.expr(c.next()),
+                        part: c.take(Rule::name).map(|n| self.name(&n)),
+                    }
+                }
+                Rule::s_setup => StationItem::Setup(self.duration(c.next())),
+                Rule::m_idle => StationItem::IdlePower(self.expr(c.next())),
+                Rule::m_power => StationItem::Power(self.expr(c.next())),
+                Rule::m_failures => StationItem::Failures(self.failures(c, span)),
                 _ => {
                     let part = self.name(&c.next());
                     let probability = self.expr(c.next());
@@ -228,9 +249,50 @@ impl Builder {
         }
         LineItem::Station {
             name,
-            machine,
-            arguments,
+            machine: machine.map(|m| (m, arguments)),
             items,
+        }
+    }
+
+    /// Builds a duration: a value or a distribution.
+    pub(super) fn duration(&mut self, pair: Pair<'_, Rule>) -> TimeValue {
+        let inner = Children::of(pair).next();
+        if inner.as_rule() != Rule::drawn {
+            return TimeValue::Value(self.expr(inner));
+        }
+        let span = self.span(&inner);
+        let mut c = Children::of(inner);
+        let name = self.name(&c.next());
+        let mut outcomes = Vec::new();
+        while let Some(outcome) = c.take(Rule::outcome) {
+            let mut c = Children::of(outcome);
+            outcomes.push(Outcome {
+                value: self.expr(c.next()),
+                weight: c.take(Rule::expression).map(|weight| self.expr(weight)),
+            });
+        }
+        TimeValue::Drawn {
+            name,
+            outcomes,
+            span,
+        }
+    }
+
+    /// Builds the failures of a machine or station from the children of the statement.
+    pub(super) fn failures(&mut self, mut c: Children<'_>, span: Span) -> Failures {
+        let name = c.take(Rule::mode);
+        let name = name.map(|mode| self.name(&Children::of(mode).next()));
+        let between = match c.take(Rule::after_parts) {
+            Some(parts) => Between::Parts(self.count(&Children::of(parts).next())),
+            None => Between::Time(self.duration(c.next())),
+        };
+        Failures {
+            name,
+            between,
+            mttr: self.duration(c.next()),
+            calendar: c.take(Rule::by_calendar).is_some(),
+            restarts: c.take(Rule::restarts).is_some(),
+            span,
         }
     }
 }

@@ -37,13 +37,14 @@ impl Builder {
             Rule::type_decl => return MachineItem::Type(self.type_decl(item)),
             _ => {}
         }
+        let span = self.span(&item);
         let mut c = Children::of(item);
         match rule {
             Rule::m_step => MachineItem::Step(self.expr(c.next())),
             Rule::m_idle => MachineItem::IdlePower(self.expr(c.next())),
             Rule::m_power => MachineItem::Power(self.expr(c.next())),
             Rule::m_limit => MachineItem::Limit(self.expr(c.next())),
-            Rule::m_failures => MachineItem::Failures(self.expr(c.next()), self.expr(c.next())),
+            Rule::m_failures => MachineItem::Failures(self.failures(c, span)),
             Rule::m_operation => {
                 Self::doc(&mut c);
                 let name = self.name(&c.next());

@@ -318,6 +318,7 @@ fn is_keyword(rule: Rule) -> bool {
         Rule::k_a
             | Rule::k_abstract
             | Rule::k_after
+            | Rule::k_an
             | Rule::k_and
             | Rule::k_array
             | Rule::k_at
@@ -325,6 +326,8 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_before
             | Rule::k_between
             | Rule::k_buffer
+            | Rule::k_by
+            | Rule::k_calendar
             | Rule::k_capacity
             | Rule::k_component
             | Rule::k_const
@@ -363,6 +366,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_order
             | Rule::k_parameter
             | Rule::k_part
+            | Rule::k_parts
             | Rule::k_per
             | Rule::k_perform
             | Rule::k_power
@@ -374,9 +378,11 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_reorder
             | Rule::k_requirement
             | Rule::k_resets
+            | Rule::k_restart
             | Rule::k_route
             | Rule::k_row
             | Rule::k_sequence
+            | Rule::k_sets
             | Rule::k_setup
             | Rule::k_shift
             | Rule::k_signal
@@ -387,6 +393,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_step
             | Rule::k_steps
             | Rule::k_store
+            | Rule::k_takes
             | Rule::k_then
             | Rule::k_time
             | Rule::k_to

@@ -101,14 +101,15 @@ impl Printer<'_> {
             LineItem::Station {
                 name,
                 machine,
-                arguments,
                 items,
             } => {
                 self.put("station ");
                 self.name(name);
-                self.put(": ");
-                self.name(machine);
-                self.arguments(machine.span, arguments);
+                if let Some((machine, arguments)) = machine {
+                    self.put(": ");
+                    self.name(machine);
+                    self.arguments(machine.span, arguments);
+                }
                 if !items.is_empty() {
                     self.block(place, items, true, |p, _, item| p.station_item(item));
                 }
@@ -177,12 +178,12 @@ impl Printer<'_> {
         match supply {
             Supply::OnOrder => self.put(" on order"),
             Supply::Every {
-                seconds,
+                interval,
                 random,
                 limit,
             } => {
                 self.put(if *random { " every random " } else { " every " });
-                self.expression(seconds);
+                self.duration(interval);
                 if let Some(limit) = limit {
                     self.put(&format!(" limit {limit}"));
                 }
@@ -198,8 +199,43 @@ impl Printer<'_> {
                 self.put(" on ");
                 self.name(part);
             }
-            StationItem::Setup(e) => self.setting("setup ", e),
-            StationItem::Failures(a, b) => self.failures(a, b),
+            StationItem::Takes { duration, part } => {
+                self.put("takes ");
+                self.duration(duration);
+                if let Some(part) = part {
+                    self.put(if begins_with_vowel(&part.text) {
+                        " an "
+                    } else {
+                        " a "
+                    });
+                    self.name(part);
+                }
+            }
+            StationItem::Sets {
+                property,
+                index,
+                value,
+                part,
+            } => {
+                self.put("sets ");
+                self.name(property);
+                if let Some(index) = index {
+                    self.setting("[", index);
+                    self.put("]");
+                }
+                self.setting(" = ", value);
+                if let Some(part) = part {
+                    self.put(" on ");
+                    self.name(part);
+                }
+            }
+            StationItem::Setup(duration) => {
+                self.put("setup ");
+                self.duration(duration);
+            }
+            StationItem::IdlePower(e) => self.setting("idle power ", e),
+            StationItem::Power(e) => self.setting("power ", e),
+            StationItem::Failures(f) => self.failures(f),
             StationItem::Defect {
                 part,
                 probability,
@@ -219,4 +255,9 @@ impl Printer<'_> {
             }
         }
     }
+}
+
+/// Whether a name is written after `an` rather than `a`.
+fn begins_with_vowel(name: &str) -> bool {
+    name.starts_with(['a', 'e', 'i', 'o', 'u', 'A', 'E', 'I', 'O', 'U'])
 }

@@ -1,6 +1,9 @@
 //! Prints machines.
 
-use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Role, TypedDecl};
+use super::super::ast::{
+    Between, Binding, Component, Expr, Failures, Machine, MachineItem, Outcome, Role, TimeValue,
+    TypedDecl,
+};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
@@ -28,7 +31,7 @@ impl Printer<'_> {
                 self.setting("limit ", e);
                 self.put(" steps");
             }
-            MachineItem::Failures(a, b) => self.failures(a, b),
+            MachineItem::Failures(f) => self.failures(f),
             MachineItem::Property(t) => self.typed("property ", t),
             MachineItem::Parameter(t) => self.typed("parameter ", t),
             MachineItem::Signal(t) => self.typed("signal ", t),
@@ -88,9 +91,46 @@ impl Printer<'_> {
         self.expression(e);
     }
 
-    pub(super) fn failures(&mut self, a: &Expr, b: &Expr) {
-        self.setting("failures mtbf ", a);
-        self.setting(" mttr ", b);
+    pub(super) fn failures(&mut self, failures: &Failures) {
+        self.put("failures ");
+        if let Some(name) = &failures.name {
+            self.name(name);
+            self.put(": ");
+        }
+        match &failures.between {
+            Between::Time(time) => {
+                self.put("mtbf ");
+                self.duration(time);
+            }
+            Between::Parts(count) => self.put(&format!("every {count} parts")),
+        }
+        self.put(" mttr ");
+        self.duration(&failures.mttr);
+        self.put(if failures.calendar {
+            " by calendar"
+        } else {
+            ""
+        });
+        self.put(if failures.restarts { " restart" } else { "" });
+    }
+
+    pub(super) fn duration(&mut self, duration: &TimeValue) {
+        match duration {
+            TimeValue::Value(value) => self.expression(value),
+            TimeValue::Drawn { name, outcomes, .. } => {
+                self.name(name);
+                self.put("(");
+                self.list(outcomes, |o| o.value.span, Self::outcome);
+                self.put(")");
+            }
+        }
+    }
+
+    fn outcome(&mut self, outcome: &Outcome) {
+        self.expression(&outcome.value);
+        if let Some(weight) = &outcome.weight {
+            self.setting(": ", weight);
+        }
     }
 
     pub(super) fn typed(&mut self, word: &str, t: &TypedDecl) {

@@ -4,7 +4,9 @@
 mod parts;
 mod places;
 mod statements;
+mod stations;
 
+use super::distribution::Distribution;
 use super::elaborate::{Elaborator, nearest};
 use super::line::{Line, Node, NodeKind, PartType};
 use super::machine::Machine;
@@ -37,6 +39,8 @@ struct Builder<'a, 's> {
     machines: BTreeMap<(String, String), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,
+    /// By node: the time of work on parts of any type, `takes d`, and its place.
+    common_times: BTreeMap<usize, (Distribution, Span)>,
     /// Indices of the nodes that are stations.
     stations: BTreeSet<usize>,
     /// Indices of the nodes that are sources.
@@ -61,6 +65,7 @@ pub(super) fn line<'a>(
         machines: BTreeMap::new(),
         part_index: BTreeMap::new(),
         node_index: BTreeMap::new(),
+        common_times: BTreeMap::new(),
         stations: BTreeSet::new(),
         sources_of_parts: BTreeSet::new(),
     };
@@ -121,6 +126,7 @@ impl<'a> Builder<'a, '_> {
         for item in &decl.items {
             self.statement(item, &mut model);
         }
+        self.add_common_times(&mut model);
         model.parts = std::mem::take(&mut self.parts)
             .into_iter()
             .map(|p| p.model)

@@ -1,21 +1,19 @@
 //! Resolution of places: sources, stores, sinks, buffers, conveyors and stations.
 
 use super::Builder;
+use crate::contract::distribution::Distribution;
 use crate::contract::elaborate::nearest;
 use crate::contract::instantiate;
-use crate::contract::line::{Belt, Defect, NodeKind, Supply, Task};
-use crate::contract::machine::{Machine, PropertyKind, RealExpr};
-use crate::contract::machines::{
-    PropertyType, assigned, declare_property, failures, machine, non_negative, property_values,
-};
-use crate::contract::scope::{duplicate_name, duplicate_statement};
+use crate::contract::line::{Belt, NodeKind, Supply};
+use crate::contract::machine::{Machine, RealExpr};
+use crate::contract::machines::{duration, machine, non_negative};
+use crate::contract::scope::duplicate_statement;
 use crate::contract::value::{Dimension, Value};
 use crate::contract::{MAX_SECONDS, MIN_SECONDS, is_duration};
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
-use linewright_syntax::ast::{self, LineItem, StationItem};
-use std::collections::{BTreeMap, BTreeSet};
+use linewright_syntax::ast::{self, LineItem};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl<'a> Builder<'a, '_> {
@@ -45,16 +43,15 @@ impl<'a> Builder<'a, '_> {
                 let supply = match supply {
                     ast::Supply::OnOrder => Some(Supply::OnOrder),
                     ast::Supply::Every {
-                        seconds,
+                        interval,
                         random,
                         limit,
-                    } => {
-                        non_negative(&mut self.e, seconds, Dimension::Time).map(|s| Supply::Every {
-                            seconds: s,
-                            random: *random,
+                    } => self
+                        .interval(interval, *random)
+                        .map(|interval| Supply::Every {
+                            interval,
                             limit: *limit,
-                        })
-                    }
+                        }),
                 };
                 Some((
                     name,
@@ -144,10 +141,28 @@ impl<'a> Builder<'a, '_> {
             LineItem::Station {
                 name,
                 machine,
-                arguments,
                 items,
-            } => self.station(name, machine, arguments, items),
+            } => self.station(name, machine.as_ref(), items),
             _ => None,
+        }
+    }
+
+    /// Resolves the time between two parts of a source. `random` means that it is exponentially
+    /// distributed with this mean.
+    fn interval(&mut self, written: &'a ast::TimeValue, random: bool) -> Option<Distribution> {
+        let interval = duration(&mut self.e, written)?;
+        match interval {
+            Distribution::Constant(mean) if random => Some(Distribution::Exponential { mean }),
+            _ if random => {
+                self.e.findings.error_with(
+                    codes::ARGUMENT,
+                    written.span(),
+                    "`random` is followed by the mean of an exponential distribution",
+                    "remove `random`, since a distribution is given",
+                );
+                None
+            }
+            interval => Some(interval),
         }
     }
 
@@ -302,7 +317,12 @@ impl<'a> Builder<'a, '_> {
     }
 
     /// Reports a second occurrence of a statement that is allowed only once.
-    fn once<'w>(&mut self, seen: &mut BTreeMap<&'w str, Span>, word: &'w str, span: Span) {
+    pub(super) fn once<'w>(
+        &mut self,
+        seen: &mut BTreeMap<&'w str, Span>,
+        word: &'w str,
+        span: Span,
+    ) {
         if let Some(first) = seen.insert(word, span) {
             let finding = duplicate_statement(word, span, first, "remove one of the two");
             self.e.findings.push(finding);
@@ -357,7 +377,7 @@ impl<'a> Builder<'a, '_> {
         let components = &machine.components;
         let is_zero = |watts: &RealExpr| *watts == RealExpr::Number(0.0);
         let statements = [
-            ("failures", machine.failures.is_some()),
+            ("failures", !machine.failures.is_empty()),
             (
                 "power",
                 machine.base_watts != 0.0 || components.iter().any(|c| !is_zero(&c.watts)),
@@ -377,297 +397,9 @@ impl<'a> Builder<'a, '_> {
             );
         }
     }
-
-    pub(super) fn station(
-        &mut self,
-        name: &'a ast::Name,
-        machine_name: &'a ast::Name,
-        arguments: &'a [ast::Argument],
-        items: &'a [StationItem],
-    ) -> Option<(&'a ast::Name, NodeKind)> {
-        let machine = self.machine(machine_name, arguments)?;
-        let mut tasks: Vec<Task> = Vec::new();
-        let mut defects = Vec::new();
-        let mut setup_seconds = 0.0;
-        let mut breakdowns = machine.failures;
-        let mut once: BTreeMap<&str, Span> = BTreeMap::new();
-        for item in items {
-            match item {
-                StationItem::Setup(value) => self.once(&mut once, "setup", value.span),
-                StationItem::Failures(mtbf, mttr) => {
-                    self.once(&mut once, "failures", mtbf.span.to(mttr.span));
-                }
-                StationItem::Perform { .. } | StationItem::Defect { .. } => {}
-            }
-            match item {
-                StationItem::Setup(value) => {
-                    if let Some(v) = non_negative(&mut self.e, value, Dimension::Time) {
-                        setup_seconds = v;
-                    }
-                }
-                StationItem::Failures(a, b) => breakdowns = failures(&mut self.e, a, b),
-                StationItem::Perform { operations, part } => {
-                    if let Some(task) = self.task(&machine, operations, part) {
-                        if tasks.iter().any(|t| t.part == task.part) {
-                            self.e.findings.error_with(
-                                codes::NAME_DUPLICATE,
-                                part.span,
-                                format!("operations on `{}` are already declared", part.text),
-                                "list all operations in one `perform a, b on P`",
-                            );
-                        }
-                        tasks.push(task);
-                    }
-                }
-                StationItem::Defect {
-                    part,
-                    probability,
-                    one_of,
-                    property,
-                    value,
-                } => {
-                    if let Some(defect) = self.defect(part, probability, *one_of, property, value) {
-                        defects.push(defect);
-                    }
-                }
-            }
-        }
-        if machine.operations.is_empty() {
-            self.e.findings.error_with(
-                codes::OPERATION,
-                machine_name.span,
-                format!(
-                    "`{}` has no operations, so it cannot be a station",
-                    machine.name
-                ),
-                "use a machine with operations; one without operations can control a `conveyor`",
-            );
-            return None;
-        }
-        Some((
-            name,
-            NodeKind::Station {
-                machine,
-                tasks,
-                defects,
-                setup_seconds,
-                failures: breakdowns,
-            },
-        ))
-    }
-
-    /// Resolves the operations of a station on a part type.
-    pub(super) fn task(
-        &mut self,
-        machine: &Machine,
-        operations: &'a [ast::OperationCall],
-        part: &'a ast::Name,
-    ) -> Option<Task> {
-        let index = self.find_part(part);
-        let mut resolved = Vec::new();
-        for ast::OperationCall { name, arguments } in operations {
-            let Some(operation) = machine.operations.iter().position(|o| o.name == name.text)
-            else {
-                let known = machine.operations.iter().map(|o| o.name.as_str());
-                let help = match nearest(&name.text, known.clone()) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!(
-                        "its operations are {}",
-                        known.collect::<Vec<_>>().join(", ")
-                    ),
-                };
-                self.e.findings.error_with(
-                    codes::OPERATION,
-                    name.span,
-                    format!("`{}` has no operation `{}`", machine.name, name.text),
-                    help,
-                );
-                continue;
-            };
-            let mut values = Vec::new();
-            for (i, argument) in arguments.iter().enumerate() {
-                let mut earlier = arguments[..i].iter().map(|a| &a.name);
-                if let Some(first) = earlier.find(|n| n.text == argument.name.text) {
-                    self.e
-                        .findings
-                        .push(duplicate_name(&argument.name, first.span));
-                    continue;
-                }
-                let found = machine.properties.iter().position(|p| {
-                    p.kind == PropertyKind::Parameter && p.name == argument.name.text
-                });
-                let Some(i) = found else {
-                    let is_array = machine.properties.iter().any(|p| {
-                        p.kind == PropertyKind::Parameter
-                            && p.name != array_of(&p.name)
-                            && array_of(&p.name) == argument.name.text
-                    });
-                    let (message, help) = if is_array {
-                        (
-                            format!(
-                                "the parameter `{}` is an array, which a station cannot set",
-                                argument.name.text
-                            ),
-                            "declare one parameter for each element that a station sets",
-                        )
-                    } else {
-                        (
-                            format!(
-                                "`{}` has no parameter `{}`",
-                                machine.name, argument.name.text
-                            ),
-                            "declare it in the machine: `parameter ...`",
-                        )
-                    };
-                    self.e
-                        .findings
-                        .error_with(codes::ARGUMENT, argument.name.span, message, help);
-                    continue;
-                };
-                let ty = PropertyType {
-                    unit: machine.properties[i].unit.clone(),
-                    domain: machine.properties[i].domain.clone(),
-                    length: None,
-                };
-                if let Some(v) = property_values(&mut self.e, &ty, Some(&argument.value)) {
-                    values.push((i, v[0]));
-                }
-            }
-            resolved.push((operation, values));
-        }
-        let index = index?;
-        let carried = &self.parts[index].model.properties;
-        let mut mapping = Vec::new();
-        let mut clashes = Vec::new();
-        for p in &machine.properties {
-            let found = (p.kind == PropertyKind::Part)
-                .then(|| carried.iter().position(|c| c.name == p.name))
-                .flatten();
-            if let Some(i) = found
-                && (carried[i].unit != p.unit
-                    || !same_values(carried[i].domain.as_ref(), p.domain.as_ref()))
-            {
-                clashes.push(p.name.clone());
-            }
-            mapping.push(found);
-        }
-        // Two arrays of different lengths, or an array and a scalar, would have only some elements
-        // in common. Their types clash, too.
-        let elements = |names: &mut dyn Iterator<Item = &str>, array: &str| -> BTreeSet<String> {
-            let own = names.filter(|name| array_of(name) == array);
-            own.map(str::to_owned).collect()
-        };
-        for p in &machine.properties {
-            let array = array_of(&p.name);
-            if p.kind != PropertyKind::Part || clashes.iter().any(|c| array_of(c) == array) {
-                continue;
-            }
-            let in_part = elements(&mut carried.iter().map(|c| c.name.as_str()), array);
-            let in_machine = elements(
-                &mut machine.properties.iter().map(|p| p.name.as_str()),
-                array,
-            );
-            if !in_part.is_empty() && in_part != in_machine {
-                clashes.push(array.to_owned());
-            }
-        }
-        for name in clashes {
-            self.e.findings.error_with(
-                codes::PROPERTY,
-                part.span,
-                format!(
-                    "`{name}` of `{}` and of the machine `{}` have different types",
-                    part.text, machine.name
-                ),
-                "declare it in both with the same unit, range or labels, and the same length",
-            );
-        }
-        Some(Task {
-            part: index,
-            operations: resolved,
-            properties: mapping,
-            span: part.span,
-        })
-    }
-
-    pub(super) fn defect(
-        &mut self,
-        part: &'a ast::Name,
-        probability: &'a ast::Expr,
-        one_of: bool,
-        property: &'a ast::Name,
-        value: &'a ast::Expr,
-    ) -> Option<Defect> {
-        let index = self.find_part(part)?;
-        let p = non_negative(&mut self.e, probability, Dimension::None)?;
-        if p > 1.0 {
-            self.e.findings.error_with(
-                codes::ARGUMENT,
-                probability.span,
-                "a probability must be between 0 and 1",
-                "write a percentage or a fraction: `probability 5 %`, or `probability 0.05`",
-            );
-            return None;
-        }
-        let found = self.parts[index]
-            .types
-            .iter()
-            .find(|(n, ..)| *n == property.text)
-            .cloned();
-        let Some((_, first, ty)) = found else {
-            self.e.findings.error_with(
-                codes::PROPERTY,
-                property.span,
-                format!("`{}` has no property `{}`", part.text, property.text),
-                format!(
-                    "declare it: `part {} {{ property {}: ... }}`",
-                    part.text, property.text
-                ),
-            );
-            return None;
-        };
-        if one_of && ty.length.is_none() {
-            self.e.findings.error_with(
-                codes::TYPE_MISMATCH,
-                property.span,
-                format!("`{}` is not an array", property.text),
-                "remove `one of`, which selects an element of an array",
-            );
-        }
-        let element = PropertyType {
-            length: None,
-            ..ty.clone()
-        };
-        let mut scope = self.part_scope(index);
-        declare_property(&mut scope, "it", &element);
-        let term = assigned(&mut scope, &element, value);
-        self.e.findings.absorb(&mut scope.findings);
-        let count = self.parts[index].model.properties.len() + 1;
-        Some(Defect {
-            part: index,
-            probability: p,
-            properties: (first..first + ty.length.unwrap_or(1)).collect(),
-            value: term?.to_real(count),
-            span: property.span,
-        })
-    }
 }
 
 /// Returns arguments without their positions.
 fn values_of(given: &instantiate::Arguments) -> Vec<(&String, &Value)> {
     given.iter().map(|(n, (v, _))| (n, v)).collect()
-}
-
-/// Returns whether two properties have the same domain, regardless of the name of an enumeration.
-fn same_values(a: Option<&Domain>, b: Option<&Domain>) -> bool {
-    match (a, b) {
-        (None, None) => true,
-        (Some(a), Some(b)) => a.describe() == b.describe(),
-        _ => false,
-    }
-}
-
-/// Returns the name of the array that contains a property, or the name itself for a scalar.
-fn array_of(property: &str) -> &str {
-    property.split('[').next().unwrap_or(property)
 }

@@ -2,6 +2,7 @@
 //! resolves expressions.
 
 mod component;
+mod durations;
 mod expand;
 mod jobs;
 mod nested;
@@ -12,10 +13,11 @@ mod properties;
 mod same_step;
 mod settings;
 
+pub(super) use durations::{duration, failures};
 pub(super) use properties::{
     PropertyType, assigned, declare_property, element_names, property_type, property_values,
 };
-pub(super) use settings::{failures, non_negative};
+pub(super) use settings::{assignments, check_written_once, non_negative};
 
 use super::elaborate::{Elaborator, Findings, nearest};
 use super::instantiate::{self, Arguments, instantiate};
@@ -136,7 +138,7 @@ fn build<'a>(
         base_watts: 0.0,
         idle_watts: 0.0,
         step_limit: DEFAULT_STEP_LIMIT,
-        failures: None,
+        failures: Vec::new(),
         refines: Vec::new(),
         guarantees: Rules::default(),
         orders: Vec::new(),
@@ -251,22 +253,23 @@ fn report_duplicates(findings: &mut Findings, machine: &ast::Machine) {
             | MachineItem::Step(x)
             | MachineItem::IdlePower(x)
             | MachineItem::Power(x)
-            | MachineItem::Limit(x)
-            | MachineItem::Failures(x, _) => {
+            | MachineItem::Limit(x) => {
                 let (word, help) = match item {
                     MachineItem::Done(_) => ("done", "join the two with `or`"),
                     MachineItem::Step(_) => ("step", "remove one of the two"),
                     MachineItem::IdlePower(_) => ("idle power", "remove one of the two"),
                     MachineItem::Power(_) => ("power", "add the two numbers"),
-                    MachineItem::Limit(_) => ("limit", "remove one of the two"),
-                    _ => ("failures", "remove one of the two"),
+                    _ => ("limit", "remove one of the two"),
                 };
                 if let Some(first) = once.insert(word, x.span) {
                     findings.push(duplicate_statement(word, x.span, first, help));
                 }
                 continue;
             }
-            MachineItem::Write { .. } | MachineItem::Refines(_) | MachineItem::Skills(_) => {
+            MachineItem::Write { .. }
+            | MachineItem::Refines(_)
+            | MachineItem::Skills(_)
+            | MachineItem::Failures(_) => {
                 continue;
             }
         };

@@ -1,10 +1,11 @@
 //! Numeric settings of a machine, its `done` condition and its writes to the part.
 
 use super::Parts;
+use super::durations::failures;
 use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
-use crate::contract::machine::{Failures, Machine, PropertyKind, RealExpr};
-use crate::contract::value::Dimension;
+use crate::contract::machine::{Machine, PropertyKind};
+use crate::contract::value::{Dimension, Term};
 use crate::contract::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Time, VarId};
@@ -71,68 +72,88 @@ pub(super) fn settings<'a>(
                     );
                     continue;
                 }
-                let element = PropertyType {
-                    length: None,
-                    ..ty.clone()
-                };
-                match (ty.length, index) {
-                    (None, None) => {
-                        if let Some(term) = assigned(&mut both, &element, value) {
-                            model.writes.push((*first, term.to_real(properties)));
-                        }
-                    }
-                    (Some(n), Some(index)) => {
-                        let Some(i) = e.constant_int(index) else {
-                            continue;
-                        };
-                        if !(0..n as i64).contains(&i) {
-                            e.findings.error_with(
-                                codes::INDEX_RANGE,
-                                index.span,
-                                format!("`{}` has no element {i}", name.text),
-                                format!("its elements are 0..{}", n - 1),
-                            );
-                            continue;
-                        }
-                        if let Some(term) = assigned(&mut both, &element, value) {
-                            model
-                                .writes
-                                .push((first + i as usize, term.to_real(properties)));
-                        }
-                    }
-                    (Some(n), None) => {
-                        let terms = assigned_array(&mut both, &element, n, value);
-                        for (i, term) in terms.unwrap_or_default().into_iter().enumerate() {
-                            model.writes.push((first + i, term.to_real(properties)));
-                        }
-                    }
-                    (None, Some(index)) => e.findings.error_with(
-                        codes::TYPE_MISMATCH,
-                        index.span,
-                        format!("`{}` is not an array", name.text),
-                        format!("write `write {} = ...`", name.text),
-                    ),
-                }
+                let place = (name, *first, ty);
+                let terms = assignments(e, &mut both, place, index.as_ref(), value);
+                let written = terms.into_iter();
+                model
+                    .writes
+                    .extend(written.map(|(at, term)| (at, term.to_real(properties))));
             }
             _ => {}
         }
         if let MachineItem::Write { name, .. } = item {
-            check_written_once(&mut e.findings, name, &model.writes[before..], &mut written);
+            let assigned = model.writes[before..].iter().map(|(property, _)| *property);
+            check_written_once(&mut e.findings, name, assigned, &mut written);
         }
     }
     e.findings.absorb(&mut both.findings);
 }
 
+/// Resolves `property[index] = value`. `place` contains the property's name, the index of its first
+/// element, and its type. The value is elaborated in `scope`. Returns the elements that are
+/// assigned to, with their values.
+pub(in crate::contract) fn assignments<'a>(
+    e: &mut Elaborator<'a>,
+    scope: &mut Elaborator<'a>,
+    place: (&ast::Name, usize, &PropertyType),
+    index: Option<&'a ast::Expr>,
+    value: &'a ast::Expr,
+) -> Vec<(usize, Term)> {
+    let (name, first, ty) = place;
+    let element = PropertyType {
+        length: None,
+        ..ty.clone()
+    };
+    match (ty.length, index) {
+        (None, None) => {
+            let term = assigned(scope, &element, value);
+            term.map(|term| (first, term)).into_iter().collect()
+        }
+        (Some(n), Some(index)) => {
+            let Some(i) = e.constant_int(index) else {
+                return Vec::new();
+            };
+            if !(0..n as i64).contains(&i) {
+                e.findings.error_with(
+                    codes::INDEX_RANGE,
+                    index.span,
+                    format!("`{}` has no element {i}", name.text),
+                    format!("its elements are 0..{}", n - 1),
+                );
+                return Vec::new();
+            }
+            let term = assigned(scope, &element, value);
+            term.map(|term| (first + i as usize, term))
+                .into_iter()
+                .collect()
+        }
+        (Some(n), None) => {
+            let terms = assigned_array(scope, &element, n, value);
+            let terms = terms.unwrap_or_default().into_iter().enumerate();
+            terms.map(|(i, term)| (first + i, term)).collect()
+        }
+        (None, Some(index)) => {
+            e.findings.error_with(
+                codes::TYPE_MISMATCH,
+                index.span,
+                format!("`{}` is not an array", name.text),
+                format!("write `{} = ...`", name.text),
+            );
+            Vec::new()
+        }
+    }
+}
+
 /// Reports a property that has already been written, by itself or with its array.
-fn check_written_once(
+pub(in crate::contract) fn check_written_once(
     findings: &mut Findings,
     name: &ast::Name,
-    writes: &[(usize, RealExpr)],
+    writes: impl IntoIterator<Item = usize>,
     written: &mut BTreeMap<usize, Span>,
 ) {
     let mut first = None;
-    for (property, _) in writes {
-        first = first.or(written.insert(*property, name.span));
+    for property in writes {
+        first = first.or(written.insert(property, name.span));
     }
     if let Some(first) = first {
         findings.push(
@@ -176,10 +197,18 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
                 ),
                 None => {}
             },
-            MachineItem::Failures(mtbf, mttr) => model.failures = failures(e, mtbf, mttr),
             _ => {}
         }
     }
+    let modes: Vec<&ast::Failures> = machine
+        .items
+        .iter()
+        .filter_map(|item| match item {
+            MachineItem::Failures(mode) => Some(mode),
+            _ => None,
+        })
+        .collect();
+    model.failures = failures(e, &modes);
 }
 
 /// Resolves a constant quantity that is not negative. Reports a duration that [`is_duration`]
@@ -224,27 +253,4 @@ pub(super) fn out_of_range(value: f64, dimension: Dimension) -> Option<(String, 
         )),
         _ => None,
     }
-}
-
-/// Resolves `mtbf a mttr b`.
-pub(in crate::contract) fn failures<'a>(
-    e: &mut Elaborator<'a>,
-    mtbf: &'a ast::Expr,
-    mttr: &'a ast::Expr,
-) -> Option<Failures> {
-    let (a, b) = (
-        non_negative(e, mtbf, Dimension::Time),
-        non_negative(e, mttr, Dimension::Time),
-    );
-    let (a, b) = (a?, b?);
-    if a == 0.0 {
-        e.findings.error_with(
-            codes::ARGUMENT,
-            mtbf.span,
-            "the mean time between failures must be longer than 0",
-            "remove `failures` if the machine never fails",
-        );
-        return None;
-    }
-    Some(Failures { mtbf: a, mttr: b })
 }

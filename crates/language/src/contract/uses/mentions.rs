@@ -147,7 +147,7 @@ impl<'a> Mentions<'a> {
                 | MachineItem::Limit(e)
                 | MachineItem::Done(e)
                 | MachineItem::Guarantee { expr: e, .. } => self.expr(e),
-                MachineItem::Failures(a, b) => self.exprs([a, b]),
+                MachineItem::Failures(f) => self.exprs(f.expressions()),
                 MachineItem::Property(t)
                 | MachineItem::Parameter(t)
                 | MachineItem::Signal(t)
@@ -181,9 +181,9 @@ impl<'a> Mentions<'a> {
             match item {
                 LineItem::Part { properties, .. } => properties.iter().for_each(|p| self.typed(p)),
                 LineItem::Source {
-                    supply: Supply::Every { seconds, .. },
+                    supply: Supply::Every { interval, .. },
                     ..
-                } => self.expr(seconds),
+                } => self.exprs(interval.expressions()),
                 LineItem::Conveyor {
                     machine, options, ..
                 } => {
@@ -193,14 +193,11 @@ impl<'a> Mentions<'a> {
                     }
                     self.exprs(options.iter().map(|(_, e)| e));
                 }
-                LineItem::Station {
-                    machine,
-                    arguments,
-                    items,
-                    ..
-                } => {
-                    self.name(&machine.text);
-                    self.arguments(arguments);
+                LineItem::Station { machine, items, .. } => {
+                    if let Some((name, arguments)) = machine {
+                        self.name(&name.text);
+                        self.arguments(arguments);
+                    }
                     for item in items {
                         self.station_item(item);
                     }
@@ -222,8 +219,15 @@ impl<'a> Mentions<'a> {
     fn station_item(&mut self, item: &'a StationItem) {
         match item {
             StationItem::Perform { operations, .. } => self.performed(operations),
-            StationItem::Setup(e) => self.expr(e),
-            StationItem::Failures(a, b) => self.exprs([a, b]),
+            StationItem::Takes { duration, .. } | StationItem::Setup(duration) => {
+                self.exprs(duration.expressions());
+            }
+            StationItem::Sets { index, value, .. } => {
+                self.exprs(index);
+                self.expr(value);
+            }
+            StationItem::IdlePower(e) | StationItem::Power(e) => self.expr(e),
+            StationItem::Failures(f) => self.exprs(f.expressions()),
             StationItem::Defect {
                 probability, value, ..
             } => self.exprs([probability, value]),

@@ -1,0 +1,87 @@
+//! Durations, distributions and failures in the syntax tree.
+
+use super::{Expr, Name};
+use linewright_core::source::Span;
+
+/// A duration: one value, or a distribution of values.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TimeValue {
+    /// `2 s`
+    Value(Expr),
+    /// `triangular(1 s, 2 s, 4 s)`
+    Drawn {
+        /// Name of the distribution.
+        name: Name,
+        /// Parameters of the distribution.
+        outcomes: Vec<Outcome>,
+        /// Place of the whole distribution.
+        span: Span,
+    },
+}
+
+impl TimeValue {
+    /// Place of the duration.
+    pub fn span(&self) -> Span {
+        match self {
+            Self::Value(value) => value.span,
+            Self::Drawn { span, .. } => *span,
+        }
+    }
+
+    /// The expressions in the duration, in source order.
+    pub fn expressions(&self) -> Vec<&Expr> {
+        match self {
+            Self::Value(value) => vec![value],
+            Self::Drawn { outcomes, .. } => outcomes
+                .iter()
+                .flat_map(|outcome| std::iter::once(&outcome.value).chain(&outcome.weight))
+                .collect(),
+        }
+    }
+}
+
+/// `2 s` or `2 s: 30 %` in the parentheses of a distribution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// A parameter, or a value that can be drawn.
+    pub value: Expr,
+    /// Probability of the value, in a discrete distribution.
+    pub weight: Option<Expr>,
+}
+
+/// `failures jam: mtbf 8 h mttr 5 min by calendar restart`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failures {
+    /// Name of the failure mode, if any.
+    pub name: Option<Name>,
+    /// When the failures occur.
+    pub between: Between,
+    /// Time to repair.
+    pub mttr: TimeValue,
+    /// Whether the time between failures runs by the calendar, not by working time.
+    pub calendar: bool,
+    /// Whether the interrupted work begins again after the repair.
+    pub restarts: bool,
+    /// Place of the whole statement.
+    pub span: Span,
+}
+
+/// What lies between two failures.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Between {
+    /// `mtbf 8 h`: a time.
+    Time(TimeValue),
+    /// `every 500 parts`: a number of parts.
+    Parts(u64),
+}
+
+impl Failures {
+    /// The expressions in the statement, in source order.
+    pub fn expressions(&self) -> Vec<&Expr> {
+        let between = match &self.between {
+            Between::Time(time) => time.expressions(),
+            Between::Parts(_) => Vec::new(),
+        };
+        between.into_iter().chain(self.mttr.expressions()).collect()
+    }
+}
