@@ -6,6 +6,7 @@ mod distributions;
 mod models;
 #[path = "../algebra/discharge/mutants.rs"]
 mod mutants;
+mod oracles;
 mod proof;
 #[path = "../program/hostile/reduce.rs"]
 mod reduce;

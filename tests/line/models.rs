@@ -5,6 +5,7 @@ use linewright::contract::line::{
     Belt, InitialValue, Limit, Line, Node, NodeKind, PartProperty, PartType, Requirement, Route,
     Shift, Station, Supply, Task,
 };
+use linewright::contract::load;
 use linewright::contract::machine::{
     Between, Component, FailureMode, Machine, Operation, PlantInput, PlantSource, Property,
     PropertyKind, RealExpr, Role,
@@ -350,6 +351,15 @@ pub fn failing(mtbf: f64, mttr: f64) -> Vec<FailureMode> {
         repair: Distribution::Exponential { mean: mttr },
         restarts: false,
     }]
+}
+
+/// The plant of a line that is given as text, whose stations have no machines.
+pub fn plant_of(text: &str, options: Options) -> Plant {
+    let files = [("line.lw".to_owned(), text.to_owned())];
+    let (mut library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
+    assert!(findings.is_empty(), "{text}: {findings:?}");
+    let line = Arc::new(library.lines.remove(0));
+    Plant::new(line, BTreeMap::new(), options).unwrap_or_else(|found| panic!("{text}: {found:?}"))
 }
 
 /// A machine of one operation, without components.

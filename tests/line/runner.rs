@@ -7,6 +7,7 @@ mod blocked;
 mod conservation;
 mod conveyors;
 mod ends;
+mod failures;
 mod flow;
 
 mod reports;
