@@ -27,12 +27,15 @@ pub struct Arguments {
     /// File with a line, and the name of the line if there are several
     #[arg(value_name = "LINE")]
     pub selection: Selection,
-    /// Stop after N finished products
+    /// Stop after N finished products (after the warm-up)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
     pub parts: Option<u64>,
     /// Stop at this simulation time
     #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_negative_numbers = true)]
     pub until: Option<f64>,
+    /// Count nothing until this simulation time, because the line is still filling
+    #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_negative_numbers = true)]
+    pub warm_up: Option<f64>,
     /// Random seed
     #[arg(
         long,
@@ -115,6 +118,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             seed: arguments.seed,
             parts: arguments.parts,
             until: arguments.until,
+            warm_up: arguments.warm_up.unwrap_or(0.0),
             deadline: settings.limits.deadline,
             ..Options::default()
         },

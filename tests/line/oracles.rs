@@ -278,3 +278,25 @@ fn deterministic_laws_are_exact() {
     let trace = plant_of(&line(places, "rack -> s"), options).run();
     assert_eq!(trace.products, 12_342);
 }
+
+/// Short runs of a line that starts empty are biased; a warm-up removes the bias.
+#[test]
+fn a_warm_up_removes_the_bias_of_short_runs() {
+    let text = series(&["takes exponential(1 s)"; 5], &[3; 4]);
+    let theory = 0.729_947_9;
+    let mean = |parts, warm_up| {
+        let mut plant = plant_of(
+            &text,
+            Options {
+                parts: Some(parts),
+                warm_up,
+                ..Options::default()
+            },
+        );
+        let rates = (1..=300).map(|seed| per_second(&plant.run_seeded(seed)));
+        rates.sum::<f64>() / 300.0
+    };
+    let (biased, unbiased) = (mean(200, 0.0) / theory, mean(2000, 300.0) / theory);
+    assert!(biased < 0.98, "{biased}");
+    assert!((unbiased - 1.0).abs() < 0.005, "{unbiased}");
+}

@@ -14,3 +14,4 @@ mod reports;
 mod serial;
 mod stations;
 mod turns;
+mod warm_up;

@@ -72,6 +72,9 @@ pub struct Options {
     pub parts: Option<u64>,
     /// Simulated seconds after which the run ends; `None` if time does not end it.
     pub until: Option<f64>,
+    /// Simulated seconds from the start in which nothing is counted. The requested number of
+    /// products counts from then on.
+    pub warm_up: f64,
     /// Wall-clock deadline.
     pub deadline: Deadline,
     /// Whether to record every movement in [`Trace::log`]; memory then grows with the run.
@@ -84,6 +87,7 @@ impl Default for Options {
             seed: 1,
             parts: None,
             until: None,
+            warm_up: 0.0,
             deadline: Deadline::NONE,
             log: false,
         }

@@ -43,10 +43,21 @@ impl Clock {
         self.seconds[activity as usize]
     }
 
+    /// Total time booked up to the last switch, in seconds.
+    pub(super) fn total(&self) -> f64 {
+        self.seconds.iter().sum()
+    }
+
+    /// Forgets the time booked before `now`.
+    pub(super) fn forget(&mut self, now: f64) {
+        self.since = now;
+        self.seconds = [0.0; 6];
+    }
+
     /// Shares of the total booked time. `visited` states whether any part ever reached the station.
     /// If no time was booked, the idle share is 1.
     pub(super) fn shares(&self, visited: bool) -> Shares {
-        let total: f64 = self.seconds.iter().sum();
+        let total = self.total();
         if total <= 0.0 {
             return Shares {
                 idle: 1.0,
@@ -67,6 +78,119 @@ impl Clock {
             shares.starved = 0.0;
         }
         shares
+    }
+}
+
+/// A number that changes in steps, with its integral over time.
+#[derive(Debug, Clone)]
+pub(super) struct Level {
+    now: u64,
+    capacity: Option<u64>,
+    since: f64,
+    seconds: f64,
+    area: f64,
+    full_seconds: f64,
+    max: u64,
+}
+
+impl Level {
+    /// Begins at 0, at time 0. Time with `capacity` counts as full.
+    pub(super) fn new(capacity: Option<u64>) -> Self {
+        Self {
+            now: 0,
+            capacity,
+            since: 0.0,
+            seconds: 0.0,
+            area: 0.0,
+            full_seconds: 0.0,
+            max: 0,
+        }
+    }
+
+    /// Counts the time since the last change.
+    pub(super) fn advance(&mut self, now: f64) {
+        let seconds = now - self.since;
+        self.since = now;
+        self.seconds += seconds;
+        self.area += self.now as f64 * seconds;
+        if self.capacity == Some(self.now) {
+            self.full_seconds += seconds;
+        }
+    }
+
+    /// Changes the number by `change`.
+    pub(super) fn add(&mut self, now: f64, change: i64) {
+        self.advance(now);
+        self.now = self.now.saturating_add_signed(change);
+        self.max = self.max.max(self.now);
+    }
+
+    /// Forgets the past, but not the number.
+    pub(super) fn forget(&mut self, now: f64) {
+        *self = Self {
+            now: self.now,
+            since: now,
+            max: self.now,
+            ..Self::new(self.capacity)
+        };
+    }
+
+    /// The number now.
+    pub(super) fn level(&self) -> u64 {
+        self.now
+    }
+
+    /// The integral over time, up to the last change.
+    pub(super) fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Mean over time, up to the last change; 0 if no time has passed.
+    pub(super) fn mean(&self) -> f64 {
+        if self.seconds > 0.0 {
+            self.area / self.seconds
+        } else {
+            0.0
+        }
+    }
+
+    /// Share of the time in which the number was the capacity; 0 if no time has passed.
+    pub(super) fn full_share(&self) -> f64 {
+        if self.seconds > 0.0 {
+            self.full_seconds / self.seconds
+        } else {
+            0.0
+        }
+    }
+
+    /// Maximum.
+    pub(super) fn max(&self) -> u64 {
+        self.max
+    }
+}
+
+/// Number, sum and maximum of waiting times.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Waits {
+    pub count: u64,
+    sum: f64,
+    pub max: f64,
+}
+
+impl Waits {
+    pub(super) fn add(&mut self, seconds: f64) {
+        self.count += 1;
+        self.sum += seconds;
+        self.max = self.max.max(seconds);
+    }
+
+    /// Mean; 0 if nothing has waited.
+    pub(super) fn mean(&self) -> f64 {
+        if self.count > 0 {
+            self.sum / self.count as f64
+        } else {
+            0.0
+        }
     }
 }
 

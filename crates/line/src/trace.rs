@@ -21,8 +21,14 @@ pub struct Trace {
     pub stored: u64,
     /// Time of the last end product in seconds; 0 if there is none.
     pub makespan: f64,
-    /// End products per hour of simulated time.
+    /// Simulated seconds at the beginning in which nothing was counted.
+    pub warm_up: f64,
+    /// End products per hour of simulated time, after the warm-up.
     pub throughput_per_hour: f64,
+    /// End products per hour of working time; `None` if the line has no shift.
+    pub throughput_on_shift: Option<f64>,
+    /// Number of parts in the line.
+    pub wip: WorkInProgress,
     /// Counts of mobile units of all types.
     pub parts: PartCounts,
     /// Time from the entry of a product's first part to the completion of the product.
@@ -33,6 +39,8 @@ pub struct Trace {
     pub stations: Vec<StationStatistics>,
     /// One entry per conveyor, in line order.
     pub conveyors: Vec<ConveyorStatistics>,
+    /// One entry per buffer, in line order.
+    pub buffers: Vec<BufferStatistics>,
     /// One entry per machine, in the order of their first instances.
     pub machines: Vec<MachineStatistics>,
     /// The station (an index into `stations`) with the greatest share of busy, setup and failed
@@ -70,9 +78,12 @@ pub enum End {
     GaveUp,
 }
 
-/// Counts of mobile units of all types: `entered = finished + rejected + consumed + in_progress`.
+/// Counts of mobile units of all types:
+/// `before + entered = finished + rejected + consumed + in_progress`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PartCounts {
+    /// Parts that were in the line when counting began: 0 without a warm-up.
+    pub before: u64,
     /// Parts that left a source or a store's stock, or were made by joining.
     pub entered: u64,
     /// Parts that came into a sink that does not reject, or into a store that no part of their type
@@ -84,6 +95,16 @@ pub struct PartCounts {
     pub consumed: u64,
     /// Parts that were in the line at the end.
     pub in_progress: u64,
+}
+
+/// Number of mobile units in the line, over time: those that have entered and not left. A part that
+/// waits in its source has not entered. Joined parts count as one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WorkInProgress {
+    /// Mean over time.
+    pub mean: f64,
+    /// Maximum.
+    pub max: u64,
 }
 
 /// Seconds from the entry of a product's first part to the completion of the product. All 0 without
@@ -158,6 +179,27 @@ pub struct ConveyorStatistics {
     pub moving_seconds: f64,
     /// Energy in joules.
     pub joules: f64,
+}
+
+/// Statistics of a buffer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BufferStatistics {
+    /// Index of the node.
+    pub node: usize,
+    /// Name of the node.
+    pub name: String,
+    /// Number of parts that left the buffer.
+    pub passed: u64,
+    /// Mean number of parts in the buffer, over time.
+    pub length: f64,
+    /// Maximum number of parts in the buffer.
+    pub longest: u64,
+    /// Share of the time in which the buffer was full, from 0 to 1.
+    pub full: f64,
+    /// Mean waiting time of the parts that left, in seconds.
+    pub wait: f64,
+    /// Maximum waiting time of the parts that left, in seconds.
+    pub longest_wait: f64,
 }
 
 /// Statistics of a machine, over all its instances.
@@ -252,8 +294,62 @@ pub enum EventKind {
     Repaired,
 }
 
+/// Formats a duration: below a minute with three significant digits (`2.4 s`, `9 ms`), otherwise as
+/// hours, minutes and seconds (`1:05:09`).
+pub fn duration(seconds: f64) -> String {
+    let seconds = seconds.max(0.0);
+    if seconds >= 59.95 {
+        return clock(seconds);
+    }
+    let (value, unit) = if seconds > 0.0 && seconds < 0.0995 {
+        (seconds * 1000.0, "ms")
+    } else {
+        (seconds, "s")
+    };
+    let magnitude = if value > 0.0 {
+        value.log10().floor() as i32
+    } else {
+        0
+    };
+    let places = (2 - magnitude).clamp(0, 9) as usize;
+    let digits = format!("{value:.places$}");
+    let digits = if digits.contains('.') {
+        digits.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        &digits
+    };
+    format!("{digits} {unit}")
+}
+
 /// Formats a time in seconds as hours, minutes and seconds: `1:05:09`.
 pub fn clock(seconds: f64) -> String {
     let whole = seconds.max(0.0).round() as u64;
     format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_have_a_unit_that_shows_them() {
+        for (seconds, wanted) in [
+            (0.0, "0 s"),
+            (1e-6, "0.001 ms"),
+            (0.000_512_34, "0.512 ms"),
+            (0.008_94, "8.94 ms"),
+            (0.0994, "99.4 ms"),
+            (0.0996, "0.0996 s"),
+            (0.25, "0.25 s"),
+            (2.4, "2.4 s"),
+            (2.396, "2.4 s"),
+            (9.999, "10 s"),
+            (45.25, "45.2 s"),
+            (59.94, "59.9 s"),
+            (59.96, "0:01:00"),
+            (3909.0, "1:05:09"),
+        ] {
+            assert_eq!(duration(seconds), wanted);
+        }
+    }
 }

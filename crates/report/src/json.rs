@@ -57,6 +57,21 @@ pub fn json(
             })
         })
         .collect();
+    let buffers: Vec<Value> = trace
+        .buffers
+        .iter()
+        .map(|buffer| {
+            json!({
+                "name": buffer.name,
+                "passed": buffer.passed,
+                "mean_length": round(buffer.length, 6),
+                "max_length": buffer.longest,
+                "full": round(buffer.full, 6),
+                "mean_wait_seconds": round(buffer.wait, 6),
+                "max_wait_seconds": round(buffer.longest_wait, 6),
+            })
+        })
+        .collect();
     let machines: Vec<Value> = trace
         .machines
         .iter()
@@ -129,12 +144,14 @@ pub fn json(
         "seed": trace.seed,
         "end": end_word(trace.end),
         "simulated_seconds": round(trace.seconds, 6),
+        "warm_up_seconds": round(trace.warm_up, 6),
         "makespan_seconds": round(trace.makespan, 6),
         "events": trace.events,
         "product": part_name(line.product),
         "products": trace.products,
         "stored": trace.stored,
         "parts": {
+            "before": trace.parts.before,
             "entered": trace.parts.entered,
             "finished": trace.parts.finished,
             "rejected": trace.parts.rejected,
@@ -143,6 +160,11 @@ pub fn json(
         },
         "rejects": rejects,
         "throughput_per_hour": round(trace.throughput_per_hour, 6),
+        "throughput_per_hour_on_shift": trace.throughput_on_shift.map(|rate| round(rate, 6)),
+        "wip": {
+            "mean": round(trace.wip.mean, 6),
+            "max": trace.wip.max,
+        },
         "lead_time": {
             "mean": round(trace.lead_time.mean, 6),
             "p50": round(trace.lead_time.p50, 6),
@@ -153,6 +175,7 @@ pub fn json(
         "bottleneck": trace.bottleneck.and_then(|i| trace.stations.get(i)).map(|s| s.name.as_str()),
         "stations": stations,
         "conveyors": conveyors,
+        "buffers": buffers,
         "machines": machines,
         "violations": violations,
         "violation_count": trace.violation_count,

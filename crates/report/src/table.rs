@@ -2,7 +2,7 @@
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line, Metric};
-use linewright_line::trace::{End, clock};
+use linewright_line::trace::{End, clock, duration};
 use linewright_line::{Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -17,6 +17,7 @@ pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) ->
     summary(&mut out, line, trace);
     stations(&mut out, trace);
     conveyors(&mut out, trace);
+    buffers(&mut out, trace);
     machines(&mut out, trace);
     match replications {
         Some(replications) => {
@@ -49,13 +50,21 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
         "products",
         format!("{} {product} {verb}{ending}", trace.products),
     );
-    row("makespan", clock(trace.makespan));
-    if (trace.seconds - trace.makespan).abs() >= 0.5 {
-        row("simulated", clock(trace.seconds));
+    row("makespan", duration(trace.makespan));
+    let warm_up = if trace.warm_up > 0.0 {
+        format!("; warm-up {}, not counted", duration(trace.warm_up))
+    } else {
+        String::new()
+    };
+    if (trace.seconds - trace.makespan).abs() >= 0.5 || !warm_up.is_empty() {
+        row("simulated", duration(trace.seconds) + &warm_up);
     }
+    let on_shift = trace.throughput_on_shift.map_or(String::new(), |rate| {
+        format!("; {rate:.2} an hour on shift")
+    });
     row(
         "throughput",
-        format!("{:.2} an hour", trace.throughput_per_hour),
+        format!("{:.2} an hour{on_shift}", trace.throughput_per_hour),
     );
     if trace.products > 0 {
         let t = trace.lead_time;
@@ -63,13 +72,20 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
             "lead time",
             format!(
                 "mean {}, median {}, 95th percentile {}, maximum {}",
-                clock(t.mean),
-                clock(t.p50),
-                clock(t.p95),
-                clock(t.max)
+                duration(t.mean),
+                duration(t.p50),
+                duration(t.p95),
+                duration(t.max)
             ),
         );
     }
+    row(
+        "WIP",
+        format!(
+            "mean {:.2} parts, maximum {}",
+            trace.wip.mean, trace.wip.max
+        ),
+    );
     let bottleneck = trace.bottleneck.and_then(|i| trace.stations.get(i));
     row(
         "bottleneck",
@@ -89,8 +105,17 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     row(
         "parts",
         format!(
-            "{} entered: {} finished, {} rejected, {} joined into others, {} still in the line",
-            parts.entered, parts.finished, parts.rejected, parts.consumed, parts.in_progress
+            "{}{} entered: {} finished, {} rejected, {} joined into others, {} still in the line",
+            if parts.before > 0 {
+                format!("{} there before, ", parts.before)
+            } else {
+                String::new()
+            },
+            parts.entered,
+            parts.finished,
+            parts.rejected,
+            parts.consumed,
+            parts.in_progress
         ),
     );
     row(
@@ -149,7 +174,7 @@ fn stations(out: &mut String, trace: &Trace) {
                 .clone()
                 .unwrap_or_else(|| "not controlled".to_owned()),
             station.processed.to_string(),
-            clock(station.busy_seconds),
+            duration(station.busy_seconds),
             kwh(station.joules),
         ]
         .into_iter()
@@ -172,7 +197,7 @@ fn conveyors(out: &mut String, trace: &Trace) {
             conveyor.name.clone(),
             conveyor.machine.clone().unwrap_or_else(|| "-".to_owned()),
             conveyor.carried.to_string(),
-            clock(conveyor.moving_seconds),
+            duration(conveyor.moving_seconds),
             kwh(conveyor.joules),
         ]
     });
@@ -183,11 +208,38 @@ fn conveyors(out: &mut String, trace: &Trace) {
     );
 }
 
+fn buffers(out: &mut String, trace: &Trace) {
+    let rows = trace.buffers.iter().map(|buffer| {
+        vec![
+            buffer.name.clone(),
+            buffer.passed.to_string(),
+            format!("{:.2}", buffer.length),
+            buffer.longest.to_string(),
+            format!("{:.1} %", buffer.full * 100.0),
+            duration(buffer.wait),
+            duration(buffer.longest_wait),
+        ]
+    });
+    columns(
+        out,
+        &[
+            "buffer",
+            "parts",
+            "mean length",
+            "maximum",
+            "full",
+            "mean wait",
+            "longest wait",
+        ],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
 fn machines(out: &mut String, trace: &Trace) {
     let rows = trace.machines.iter().map(|machine| {
         vec![
             machine.name.clone(),
-            clock(machine.busy_seconds),
+            duration(machine.busy_seconds),
             kwh(machine.joules),
         ]
     });

@@ -156,6 +156,7 @@ impl World {
             until: Some(seconds + off),
             deadline: linewright::deadline::Deadline::from_now(Duration::from_secs(20)),
             log: parts.is_none(),
+            ..Options::default()
         };
         Some(self.plant(line, options)?.run())
     }

@@ -178,7 +178,7 @@ fn plant(seed: u64, until: Option<f64>, ample: bool) -> Plant {
         parts: Some(20),
         until,
         log: true,
-        deadline: linewright::deadline::Deadline::NONE,
+        ..Options::default()
     })
 }
 

@@ -39,6 +39,7 @@ fn two_bricks_and_a_printed_one_make_the_product() {
     assert_eq!(
         trace.parts,
         PartCounts {
+            before: 0,
             entered: 5 * 4 + 2,
             finished: 5,
             rejected: 0,

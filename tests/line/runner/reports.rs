@@ -66,6 +66,7 @@ fn as_text() {
     makespan     0:03:26
     throughput   104.85 an hour
     lead time    mean 0:01:01, median 0:01:00, 95th percentile 0:01:06, maximum 0:01:06
+    WIP          mean 4.07 parts, maximum 5
     bottleneck   assembly_cell_1 (busy, set up or failed 87.4 % of the time)
     energy       0.003 kWh
     parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line
@@ -76,15 +77,15 @@ fn as_text() {
     station         machine            parts    time   kWh   busy starved blocked failed    idle setup
     camera          camera_machine         8 0:02:40 0.001 77.7 %  22.3 %   0.0 %  0.0 %   0.0 % 0.0 %
     assembly_cell_1 assembly_cell_1_m…     6 0:03:00 0.001 87.4 %  12.6 %   0.0 %  0.0 %   0.0 % 0.0 %
-    milling         milling_machine        0 0:00:00 0.000  0.0 %   0.0 %   0.0 %  0.0 % 100.0 % 0.0 %
+    milling         milling_machine        0     0 s 0.000  0.0 %   0.0 %   0.0 %  0.0 % 100.0 % 0.0 %
     
-    conveyor machine parts  moving   kWh
-    belt     -           7 0:00:42 0.001
+    conveyor machine parts moving   kWh
+    belt     -           7   42 s 0.001
     
     by machine                 time   kWh
     camera_machine          0:02:40 0.001
     assembly_cell_1_machine 0:03:00 0.001
-    milling_machine         0:00:00 0.000
+    milling_machine             0 s 0.000
     
     requirement verdict required                    measured
     pace        holds   throughput per hour >= 100   104.854
@@ -105,12 +106,14 @@ fn as_json() {
       "seed": 1,
       "end": "products",
       "simulated_seconds": 206.0,
+      "warm_up_seconds": 0.0,
       "makespan_seconds": 206.0,
       "events": 21,
       "product": "Product",
       "products": 6,
       "stored": 6,
       "parts": {
+        "before": 0,
         "entered": 31,
         "finished": 6,
         "rejected": 2,
@@ -130,6 +133,11 @@ fn as_json() {
         }
       ],
       "throughput_per_hour": 104.854369,
+      "throughput_per_hour_on_shift": null,
+      "wip": {
+        "mean": 4.067961,
+        "max": 5
+      },
       "lead_time": {
         "mean": 60.666667,
         "p50": 60.0,
@@ -188,6 +196,7 @@ fn as_json() {
           "energy_kwh": 0.001166667
         }
       ],
+      "buffers": [],
       "machines": [
         {
           "name": "camera_machine",

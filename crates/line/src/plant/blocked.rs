@@ -90,6 +90,11 @@ impl Run<'_> {
 
     /// Advances the run to its end, because from now on only shifts begin and end.
     fn wait_until(&mut self, horizon: f64) {
+        let warm_up = self.setup.options.warm_up;
+        if self.counting_since.is_none() && warm_up > self.now && warm_up < horizon {
+            self.wait_until(warm_up);
+            self.end_warm_up();
+        }
         let rest = horizon - self.now;
         let worked = self.line.shift.map_or(rest, |shift| {
             shift.worked_until(horizon) - shift.worked_until(self.now)
@@ -297,7 +302,7 @@ impl Run<'_> {
                 .map(|(part, _)| *part)
                 .chain(belt.inlet.map(|(part, _)| part))
                 .collect(),
-            Place::Buffer(parts) => parts.iter().copied().collect(),
+            Place::Buffer(buffer) => buffer.parts().collect(),
         }
     }
 

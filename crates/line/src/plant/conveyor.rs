@@ -45,6 +45,13 @@ impl Conveyor {
         self.booked = now;
     }
 
+    /// Forgets what has been counted.
+    pub(super) fn forget(&mut self, now: f64) {
+        self.book(now);
+        self.moving_seconds = 0.0;
+        self.carried = 0;
+    }
+
     /// Seconds in which something moved.
     pub(super) fn moving_seconds(&mut self, now: f64) -> f64 {
         self.book(now);

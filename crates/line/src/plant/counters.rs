@@ -1,6 +1,6 @@
 //! Counters of a run: parts, products and their times.
 
-use crate::statistics::LeadTimes;
+use crate::statistics::{LeadTimes, Level};
 
 /// The counters of one run.
 #[derive(Debug)]
@@ -19,6 +19,13 @@ pub(super) struct Counters {
     pub finished: u64,
     /// Number of parts that were joined to others.
     pub consumed: u64,
+    /// Number of parts that were in the line when counting began.
+    pub before: u64,
+    /// Number of parts in the line: those that have entered and not left.
+    pub units: Level,
+    /// Sum over the parts that have left the line of the time that they spent there while it was
+    /// counted, in seconds.
+    pub unit_seconds: f64,
     /// By type: number of parts that were made or given out and have not left the line, whether
     /// separate or joined to others.
     pub in_line: Vec<u64>,
@@ -37,9 +44,25 @@ impl Counters {
             entered: 0,
             finished: 0,
             consumed: 0,
+            before: 0,
+            units: Level::new(None),
+            unit_seconds: 0.0,
             in_line: vec![0; types],
             rejects: vec![(0, 0); types],
         }
+    }
+
+    /// Counts a part that comes into the line.
+    pub(super) fn unit_enters(&mut self, now: f64) {
+        self.entered += 1;
+        self.units.add(now, 1);
+    }
+
+    /// Counts a part that leaves the line, and that has been in it since `since`. Counting began at
+    /// `start`.
+    pub(super) fn unit_leaves(&mut self, now: f64, since: f64, start: f64) {
+        self.units.add(now, -1);
+        self.unit_seconds += now - since.max(start);
     }
 
     /// Counts an end product that entered at `entered_at` and is complete at `now`. `stored` states

@@ -4,14 +4,17 @@ use super::{Place, Run};
 use crate::metric;
 use crate::statistics::Activity;
 use crate::trace::{
-    ConveyorStatistics, End, MachineStatistics, PartCounts, Reject, StationStatistics, Trace,
+    BufferStatistics, ConveyorStatistics, End, MachineStatistics, PartCounts, Reject,
+    StationStatistics, Trace, WorkInProgress,
 };
 use linewright_language::contract::line::NodeKind;
 
 impl Run<'_> {
     pub(super) fn finish(mut self, end: End) -> Trace {
-        let (mut stations, mut conveyors) = (Vec::new(), Vec::new());
+        self.report_short_run();
+        let (mut stations, mut conveyors, mut buffers) = (Vec::new(), Vec::new(), Vec::new());
         let (now, on_shift) = (self.now, self.on_shift);
+        let counted = self.counted_seconds();
         for (index, node) in self.line.nodes.iter().enumerate() {
             match (&node.kind, &mut self.places[index]) {
                 (NodeKind::Station(declared), Place::Station(station)) => {
@@ -48,7 +51,7 @@ impl Run<'_> {
                     },
                     Place::Belt(belt),
                 ) => {
-                    let moving_seconds = belt.moving_seconds.min(now);
+                    let moving_seconds = belt.moving_seconds.min(counted);
                     conveyors.push(ConveyorStatistics {
                         node: index,
                         name: node.name.clone(),
@@ -56,13 +59,39 @@ impl Run<'_> {
                         carried: belt.carried,
                         moving_seconds,
                         joules: moving_seconds * watts
-                            + (now - moving_seconds) * declared.machine.idle_watts,
+                            + (counted - moving_seconds) * declared.machine.idle_watts,
+                    });
+                }
+                (NodeKind::Buffer { .. }, Place::Buffer(buffer)) => {
+                    buffer.level.advance(now);
+                    buffers.push(BufferStatistics {
+                        node: index,
+                        name: node.name.clone(),
+                        passed: buffer.waits.count,
+                        length: buffer.level.mean(),
+                        longest: buffer.level.max(),
+                        full: buffer.level.full_share(),
+                        wait: buffer.waits.mean(),
+                        longest_wait: buffer.waits.max,
                     });
                 }
                 _ => {}
             }
         }
         let parts = self.count_parts();
+        self.check_littles_law();
+        let per_hour = |seconds: f64| {
+            if seconds > 0.0 {
+                self.counters.products as f64 * 3600.0 / seconds
+            } else {
+                0.0
+            }
+        };
+        let start = now - counted;
+        let on_shift_seconds = self
+            .line
+            .shift
+            .map(|shift| shift.worked_until(now) - shift.worked_until(start));
         self.journal.count_repeated_violations();
         let mut trace = Trace {
             seed: self.seed,
@@ -72,10 +101,12 @@ impl Run<'_> {
             products: self.counters.products,
             stored: self.counters.stored,
             makespan: self.counters.makespan,
-            throughput_per_hour: if now > 0.0 {
-                self.counters.products as f64 * 3600.0 / now
-            } else {
-                0.0
+            warm_up: start,
+            throughput_per_hour: per_hour(counted),
+            throughput_on_shift: on_shift_seconds.map(per_hour),
+            wip: WorkInProgress {
+                mean: self.counters.units.mean(),
+                max: self.counters.units.max(),
             },
             parts,
             lead_time: self.counters.lead_times.summary(),
@@ -87,6 +118,7 @@ impl Run<'_> {
             bottleneck: bottleneck(&stations),
             stations,
             conveyors,
+            buffers,
             rejects: self
                 .counters
                 .rejects
@@ -109,6 +141,24 @@ impl Run<'_> {
         trace
     }
 
+    /// Checks Little's law. It holds exactly in every interval (Stidham, 1974): the integral of the
+    /// number of parts in the line is the sum of the times that parts spent there.
+    fn check_littles_law(&mut self) {
+        let (now, start) = (self.now, self.now - self.counted_seconds());
+        self.counters.units.advance(now);
+        let here = (0..self.places.len()).flat_map(|node| self.held(node));
+        let here = here.filter(|part| self.parts[*part].entered);
+        let unit_seconds = here
+            .map(|part| now - self.parts[part].since.max(start))
+            .sum::<f64>()
+            + self.counters.unit_seconds;
+        let area = self.counters.units.area();
+        assert!(
+            (area - unit_seconds).abs() <= 1e-6 * area.max(1.0),
+            "internal error: Little's law is broken: {area} and {unit_seconds} part seconds; please report this"
+        );
+    }
+
     /// The part counts, checked against the parts that are actually in the line.
     fn count_parts(&self) -> PartCounts {
         let in_progress = (0..self.places.len())
@@ -121,9 +171,10 @@ impl Run<'_> {
             rejected: self.counters.rejects.iter().map(|(count, _)| count).sum(),
             consumed: self.counters.consumed,
             in_progress,
+            before: self.counters.before,
         };
         assert_eq!(
-            counts.entered,
+            counts.before + counts.entered,
             counts.finished + counts.rejected + counts.consumed + counts.in_progress,
             "internal error: the counts of parts disagree: {counts:?}; please report this"
         );

@@ -151,7 +151,7 @@ impl Run<'_> {
                 let next = match &self.places[node] {
                     Place::Source(_) => self.make(node),
                     Place::Store(_) => self.give_out(node, outlet),
-                    Place::Buffer(parts) => parts.front().copied(),
+                    Place::Buffer(buffer) => buffer.first(),
                     Place::Conveyor(_) => self.conveyor_end(node),
                     Place::Station(_) | Place::Belt(_) | Place::Sink => None,
                 };
@@ -238,10 +238,7 @@ impl Run<'_> {
         match &self.places[node] {
             Place::Source(_) => false,
             Place::Sink | Place::Store(_) => true,
-            Place::Buffer(parts) => match self.line.nodes[node].kind {
-                NodeKind::Buffer { capacity } => parts.len() < capacity as usize,
-                _ => false,
-            },
+            Place::Buffer(buffer) => buffer.has_room(),
             Place::Conveyor(_) => self.conveyor_admits(node),
             Place::Belt(belt) => {
                 matches!(self.places[from], Place::Belt(_)) && belt.inlet.is_none()
@@ -311,9 +308,7 @@ impl Run<'_> {
         self.record(node, Some(part), EventKind::Left);
         match &mut self.places[node] {
             Place::Store(store) => store.left(self.parts[part].kind),
-            Place::Buffer(parts) => {
-                parts.pop_front();
-            }
+            Place::Buffer(buffer) => buffer.take(self.now),
             Place::Station(_) => self.station_left(node),
             Place::Conveyor(_) => self.conveyor_left(node),
             Place::Belt(_) => self.belt_left(node),
@@ -327,9 +322,8 @@ impl Run<'_> {
         match &mut self.places[node] {
             Place::Sink => self.sink(node, part),
             Place::Store(_) => self.store(node, part),
-            Place::Buffer(parts) => {
-                parts.push_back(part);
-                if parts.len() == 1 {
+            Place::Buffer(buffer) => {
+                if buffer.put(part, self.now) {
                     self.look_at(node);
                 }
                 self.record(node, Some(part), EventKind::Arrived);
@@ -348,7 +342,8 @@ impl Run<'_> {
         if !entering.entered {
             entering.entered = true;
             entering.entered_at = now;
-            self.counters.entered += 1;
+            entering.since = now;
+            self.counters.unit_enters(now);
             self.record(node, Some(part), EventKind::Entered);
         }
     }
@@ -369,6 +364,14 @@ impl Run<'_> {
                 self.end = Some(End::Products);
             }
         }
+        self.leave_line(part);
+    }
+
+    /// Removes a part that has left the line, or was joined to another.
+    pub(super) fn leave_line(&mut self, part: PartIndex) {
+        let start = self.counting_since.unwrap_or(0.0);
+        self.counters
+            .unit_leaves(self.now, self.parts[part].since, start);
         self.parts.remove(part);
     }
 
@@ -379,7 +382,7 @@ impl Run<'_> {
         let kind = self.parts[part].kind;
         self.counters.rejects[kind].0 += 1;
         self.count_out(kind);
-        self.parts.remove(part);
+        self.leave_line(part);
         if let Some(source) = reorder {
             let NodeKind::Source { part: ordered, .. } = self.line.nodes[source].kind else {
                 return;

@@ -7,6 +7,7 @@
 
 mod belt;
 mod blocked;
+mod buffer;
 mod conveyor;
 mod counters;
 mod failures;
@@ -18,12 +19,14 @@ mod progress;
 mod queue;
 mod station;
 mod supply;
+mod warm_up;
 
 use super::calendar::Calendar;
 use super::random::Stream;
 use super::trace::{End, Trace};
 use super::{Options, validate};
 use belt::BeltState;
+use buffer::Buffer;
 use conveyor::Conveyor;
 use counters::Counters;
 use flow::{Outlet, Ways};
@@ -32,11 +35,11 @@ use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Limit, Line, NodeKind, Shift};
 use linewright_station::Controller;
-use part::{PartIndex, Parts};
+use part::Parts;
 use progress::{LATEST_SECONDS, Progress};
 use queue::{Agenda, Queues};
 use station::Station;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use supply::{Source, Store};
 
@@ -86,13 +89,15 @@ enum Event {
     Tick(u32),
     /// A shift begins or ends.
     Shift,
+    /// The warm-up ends.
+    WarmUp,
 }
 
 impl Event {
     /// Whether the event can set something going in a line in which nothing moves: all except
-    /// shifts, which are handled separately, and failures.
+    /// shifts, which are handled separately, failures, and the end of the warm-up.
     fn sets_going(self) -> bool {
-        !matches!(self, Self::Shift | Self::Failure(..))
+        !matches!(self, Self::Shift | Self::Failure(..) | Self::WarmUp)
     }
 }
 
@@ -102,6 +107,8 @@ impl Event {
 const WORK: u8 = 0;
 const SHIFT: u8 = 1;
 const BELT: u8 = 2;
+/// The warm-up ends after everything else that happens at its instant.
+const WARM_UP: u8 = 3;
 
 /// State of a node.
 enum Place {
@@ -111,7 +118,7 @@ enum Place {
     Station(Box<Station>),
     Conveyor(Box<Conveyor>),
     Belt(Box<BeltState>),
-    Buffer(VecDeque<PartIndex>),
+    Buffer(Box<Buffer>),
 }
 
 /// One run.
@@ -126,6 +133,8 @@ struct Run<'a> {
     pending: u64,
     events: u64,
     on_shift: bool,
+    /// Time at which the warm-up ended; `None` during it, and if there is none.
+    counting_since: Option<f64>,
     parts: Parts,
     places: Vec<Place>,
     outlets: Vec<Outlet>,
@@ -178,6 +187,18 @@ impl Plant {
                 .with_help(format!(
                     "Give a time such as 3600, 90m or 8h; the maximum is {LATEST_SECONDS} s, beyond which times are no longer exact."
                 )),
+            );
+        }
+        let warm_up = options.warm_up;
+        let ends_first = horizon.is_some_and(|seconds| warm_up >= seconds);
+        if warm_up > 0.0 && ends_first || !(0.0..=LATEST_SECONDS).contains(&warm_up) {
+            findings.push(
+                Diagnostic::error(
+                    codes::LINE_LIMIT,
+                    line.span,
+                    format!("the run of {} ends before its warm-up", line.name),
+                )
+                .with_help("Let it run longer than the warm-up: `--warm-up 2h --until 10h`."),
             );
         }
         if !findings.is_empty() {
@@ -268,7 +289,7 @@ impl<'a> Run<'a> {
                     belt: Some(belt), ..
                 } => Place::Belt(Box::new(BeltState::new(belt))),
                 NodeKind::Conveyor { .. } => Place::Conveyor(Box::default()),
-                NodeKind::Buffer { .. } => Place::Buffer(VecDeque::new()),
+                NodeKind::Buffer { capacity } => Place::Buffer(Box::new(Buffer::new(*capacity))),
             })
             .collect();
         Self {
@@ -281,6 +302,7 @@ impl<'a> Run<'a> {
             pending: 0,
             events: 0,
             on_shift,
+            counting_since: None,
             parts: Parts::default(),
             places,
             outlets: setup.outlets.clone(),
@@ -299,6 +321,9 @@ impl<'a> Run<'a> {
             return End::Products;
         }
         self.schedule_shift();
+        if self.setup.options.warm_up > 0.0 {
+            self.schedule(self.setup.options.warm_up, WARM_UP, Event::WarmUp);
+        }
         for node in 0..self.places.len() {
             self.schedule_failures(node);
             self.look_at(node);
@@ -349,6 +374,7 @@ impl<'a> Run<'a> {
             Event::Reopen(node) => self.reopen(node as usize),
             Event::Tick(node) => self.tick(node as usize),
             Event::Shift => self.change_shift(),
+            Event::WarmUp => self.end_warm_up(),
         }
     }
 

@@ -18,6 +18,8 @@ pub(super) struct Part {
     pub entered: bool,
     /// Time at which the part, or the first of the components in it, entered the line, in seconds.
     pub entered_at: f64,
+    /// Time at which the part itself entered the line: for a joined part, the time of the joining.
+    pub since: f64,
     /// Property values, in the order of the type's properties.
     pub properties: Vec<f64>,
 }
@@ -60,6 +62,7 @@ impl Parts {
             kind,
             entered: false,
             entered_at: 0.0,
+            since: 0.0,
             properties,
         };
         PartIndex(index)

@@ -228,8 +228,13 @@ impl Station {
 
     /// Energy that the service in progress has used, in joules.
     fn joules_so_far(&self) -> f64 {
+        self.joules_used(self.remaining)
+    }
+
+    /// Energy that the service in progress has used when this many seconds are left, in joules.
+    fn joules_used(&self, left: f64) -> f64 {
         if self.phase == Phase::Service && self.phase_seconds > 0.0 {
-            self.service_joules * (1.0 - self.remaining / self.phase_seconds).clamp(0.0, 1.0)
+            self.service_joules * (1.0 - left / self.phase_seconds).clamp(0.0, 1.0)
         } else {
             0.0
         }
@@ -256,13 +261,26 @@ impl Station {
         self.clock.switch(until, Activity::Idle);
     }
 
+    /// Forgets what has been counted. Of a service in progress, only the energy from now on counts.
+    pub(super) fn forget(&mut self, now: f64) {
+        let left = if self.running {
+            (self.remaining - (now - self.resumed)).max(0.0)
+        } else {
+            self.remaining
+        };
+        self.joules = -self.joules_used(left);
+        self.clock.forget(now);
+        self.processed = 0;
+    }
+
     /// Closes the accounts at the end of a run: books the time since the last change, and the
     /// energy that a service in progress has used.
     pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
         self.pause(now);
         self.book(now, on_shift);
         self.joules += self.joules_so_far();
-        self.joules += idle_watts * (now - self.clock.seconds(Activity::Busy)).max(0.0);
+        self.joules +=
+            idle_watts * (self.clock.total() - self.clock.seconds(Activity::Busy)).max(0.0);
     }
 }
 
@@ -349,12 +367,13 @@ impl Run<'_> {
             .fold(self.now, f64::min);
         for component in components() {
             self.record(node, Some(component), EventKind::Consumed);
-            self.parts.remove(component);
+            self.leave_line(component);
             self.counters.consumed += 1;
         }
         self.parts[part].entered_at = entered_at;
         self.parts[part].entered = true;
-        self.counters.entered += 1;
+        self.parts[part].since = self.now;
+        self.counters.unit_enters(self.now);
         // The components are still counted as in the line, because the new part contains them.
         self.counters.in_line[kind] += 1;
         self.record(node, Some(part), EventKind::Entered);

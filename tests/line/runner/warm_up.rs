@@ -1,0 +1,188 @@
+//! Warm-up, work in process, and buffers.
+
+use crate::models::plant_of;
+use linewright::line::{End, Options, Trace};
+
+fn run(text: &str, options: Options) -> Trace {
+    plant_of(text, options).run()
+}
+
+fn until(seconds: f64, warm_up: f64) -> Options {
+    Options {
+        until: Some(seconds),
+        warm_up,
+        ..Options::default()
+    }
+}
+
+const LINE: &str = "line L {
+    part P
+    source rack: P every 10 s
+    buffer queue capacity 3
+    station cell { takes 15 s power 100 W idle power 10 W }
+    conveyor belt places 2 pitch 1 m speed 0.5 m/s power 5 W
+    sink out
+    route P: rack -> queue -> cell -> belt -> out
+}";
+
+/// The cell is always busy from 0 on. Parts leave it at 15, 30, ..., and the line 4 s later.
+#[test]
+fn only_what_comes_after_the_warm_up_counts() {
+    let whole = run(LINE, until(330.0, 0.0));
+    let rest = run(LINE, until(330.0, 100.0));
+    assert_eq!((whole.seconds, rest.seconds), (330.0, 330.0));
+    assert_eq!(rest.warm_up, 100.0);
+    // 19, 34, ..., 319, and of these 109, ..., 319.
+    assert_eq!((whole.products, rest.products), (21, 15));
+    assert_eq!(rest.throughput_per_hour, 15.0 * 3600.0 / 230.0);
+    assert_eq!(rest.makespan, 319.0);
+    let cell = &rest.stations[0];
+    assert_eq!((cell.processed, cell.busy_seconds), (16, 230.0));
+    assert!((cell.joules - 23_000.0).abs() < 1e-6, "{}", cell.joules);
+    assert_eq!(cell.shares.busy, 1.0);
+    assert_eq!(rest.conveyors[0].carried, 15);
+    // In each 15 s, the belt moves for 4 s. From 100 to 330 there are fifteen of these: the first
+    // begins at 105.
+    assert_eq!(rest.conveyors[0].moving_seconds, 60.0 + 0.0);
+    let parts = rest.parts;
+    assert_eq!(
+        parts.before + parts.entered,
+        parts.finished + parts.rejected + parts.consumed + parts.in_progress
+    );
+    assert!(parts.before > 0);
+}
+
+/// The run itself is the same: the warm-up changes nothing but the counts.
+#[test]
+fn a_warm_up_does_not_change_the_run() {
+    let text = "line L {
+        part P
+        source rack: P every exponential(10 s)
+        buffer queue capacity 3
+        station cell { takes gamma(2, 4 s) failures mtbf 5 min mttr 20 s }
+        sink out
+        route P: rack -> queue -> cell -> out
+    }";
+    let logged = |warm_up| {
+        let options = Options {
+            log: true,
+            ..until(5000.0, warm_up)
+        };
+        run(text, options).log
+    };
+    assert_eq!(logged(0.0), logged(1234.5));
+}
+
+/// The products that are asked for count from the end of the warm-up, and sources on order make
+/// parts for them.
+#[test]
+fn a_number_of_products_counts_from_the_end_of_the_warm_up() {
+    let text = LINE.replace("every 10 s", "on order");
+    let options = Options {
+        parts: Some(10),
+        warm_up: 100.0,
+        ..Options::default()
+    };
+    let trace = run(&text, options);
+    assert_eq!((trace.end, trace.products), (End::Products, 10));
+    // Parts leave the line at 19, 34, ...: the tenth after 100 s at 244.
+    assert_eq!(trace.seconds, 244.0);
+}
+
+#[test]
+fn a_run_that_ends_during_the_warm_up_says_so() {
+    let text = LINE.replace("every 10 s", "every 10 s limit 2");
+    let options = Options {
+        parts: Some(2),
+        warm_up: 1000.0,
+        ..Options::default()
+    };
+    let trace = run(&text, options);
+    assert_eq!((trace.end, trace.products), (End::Products, 0));
+    assert_eq!(trace.findings.len(), 1);
+    assert!(
+        trace.findings[0]
+            .message
+            .contains("before its warm-up was over")
+    );
+}
+
+/// A line without anything left to do waits for its end; the warm-up ends meanwhile.
+#[test]
+fn the_warm_up_of_an_empty_line_ends() {
+    let text = LINE.replace("every 10 s", "every 10 s limit 2");
+    let trace = run(&text, until(1000.0, 400.0));
+    assert_eq!(
+        (trace.end, trace.warm_up, trace.products),
+        (End::Time, 400.0, 0)
+    );
+    assert_eq!(trace.stations[0].shares.starved, 1.0);
+    assert!((trace.joules - 6000.0).abs() < 1e-6, "{}", trace.joules);
+    assert_eq!(trace.wip.mean, 0.0);
+}
+
+/// Parts come at 0, 10, 20, ...; the cell takes 15 s, so they queue up to three.
+#[test]
+fn buffers_and_work_in_process_are_measured() {
+    let trace = run(LINE, until(30.0, 0.0));
+    let queue = &trace.buffers[0];
+    // In the cell: from 0 to 15, from 15 to 30. In the queue: one from 10 to 15, one from 20 on.
+    assert_eq!((queue.passed, queue.longest), (3, 1));
+    assert_eq!(queue.length, (5.0 + 10.0) / 30.0);
+    assert_eq!(
+        (queue.wait, queue.longest_wait),
+        ((0.0 + 5.0 + 10.0) / 3.0, 10.0)
+    );
+    // On the belt: one part from 15 to 19.
+    assert_eq!(trace.wip.mean, (30.0 + 15.0 + 4.0) / 30.0);
+    assert_eq!(trace.wip.max, 3);
+    let later = run(LINE, until(330.0, 200.0));
+    assert_eq!(later.buffers[0].longest, 3);
+    assert!(later.buffers[0].full > 0.5, "{}", later.buffers[0].full);
+}
+
+/// Little's law is checked in every run, so it is enough to run lines with joins, rejects and
+/// stores.
+#[test]
+fn littles_law_holds_with_joins_and_rejects() {
+    let text = "line L {
+        part A
+        part B { property bad: bool = false }
+        part C from 2 A, 1 B
+        source a: A every exponential(5 s)
+        source b: B every exponential(10 s)
+        buffer qa capacity 4
+        buffer qb capacity 4
+        station test { takes uniform(1 s, 9 s) defect on B probability 20 %: bad becomes true }
+        station join { takes exponential(6 s) }
+        sink bin rejects
+        sink out
+        route A: a -> qa -> join
+        route B: b -> test
+        route B: test -> bin when bad
+        route B: test -> qb otherwise
+        route B: qb -> join
+        route C: join -> out
+    }";
+    for warm_up in [0.0, 777.0] {
+        let trace = run(text, until(20_000.0, warm_up));
+        assert!(trace.parts.rejected > 100 && trace.parts.consumed > 1000);
+        assert!(trace.wip.mean > 2.0);
+    }
+}
+
+#[test]
+fn throughput_on_shift_counts_working_time() {
+    let text = "line L {
+        part P
+        source rack: P every 0 s
+        station cell { takes 7 s }
+        sink out
+        shift 6 h to 14 h
+        route P: rack -> cell -> out
+    }";
+    let trace = run(text, until(3.0 * 86_400.0, 86_400.0));
+    let on_shift = trace.throughput_on_shift.expect("the line has a shift");
+    assert!((on_shift - 3600.0 / 7.0).abs() < 0.1, "{on_shift}");
+    assert!((trace.throughput_per_hour - on_shift / 3.0).abs() < 1e-9);
+}
