@@ -12,7 +12,7 @@
 //! let project = Project::open("examples/loader/line.lw")?;
 //! let line = project.line("Loading").ok_or("no such line")?;
 //! let options = Options { until: Some(3600.0), ..Options::default() };
-//! let options = SimulationOptions { options, replications: 1, rebuild: false };
+//! let options = SimulationOptions { options, find_warm_up: false, replications: 1, rebuild: false };
 //! let folder = tempfile::tempdir()?;
 //! let run = project.run(line, folder.path(), &options)?;
 //! println!("{}", report::table(line, &run.traces[0], None));

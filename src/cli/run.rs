@@ -33,9 +33,9 @@ pub struct Arguments {
     /// Stop at this simulation time
     #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_negative_numbers = true)]
     pub until: Option<f64>,
-    /// Count nothing until this simulation time, because the line is still filling
-    #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_negative_numbers = true)]
-    pub warm_up: Option<f64>,
+    /// Count nothing until this simulation time, because the line is still filling; `auto` finds it
+    #[arg(long, value_name = "TIME", value_parser = warm_up, allow_negative_numbers = true)]
+    pub warm_up: Option<WarmUp>,
     /// Random seed
     #[arg(
         long,
@@ -53,6 +53,24 @@ pub struct Arguments {
     /// Compile again even if nothing has changed
     #[arg(long)]
     pub rebuild: bool,
+}
+
+/// The warm-up of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WarmUp {
+    /// Found by a pilot run.
+    Auto,
+    /// Simulated seconds.
+    Seconds(f64),
+}
+
+fn warm_up(text: &str) -> Result<WarmUp, String> {
+    if text.trim() == "auto" {
+        return Ok(WarmUp::Auto);
+    }
+    time::seconds(text)
+        .map(WarmUp::Seconds)
+        .map_err(|why| format!("{why}, or `auto`"))
 }
 
 /// Runs the command.
@@ -118,10 +136,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             seed: arguments.seed,
             parts: arguments.parts,
             until: arguments.until,
-            warm_up: arguments.warm_up.unwrap_or(0.0),
+            warm_up: match arguments.warm_up {
+                Some(WarmUp::Seconds(seconds)) => seconds,
+                Some(WarmUp::Auto) | None => 0.0,
+            },
             deadline: settings.limits.deadline,
             ..Options::default()
         },
+        find_warm_up: arguments.warm_up == Some(WarmUp::Auto),
         replications: arguments.replications,
         rebuild: arguments.rebuild,
     };

@@ -42,6 +42,7 @@ fn a_machine_is_built_and_a_line_is_run() {
             parts: Some(5),
             ..Options::default()
         },
+        find_warm_up: false,
         replications: 2,
         rebuild: false,
     };

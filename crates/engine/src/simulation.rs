@@ -20,6 +20,8 @@ use std::time::Instant;
 pub struct SimulationOptions {
     /// End conditions and seed of a run; the deadline also applies to compilers.
     pub options: Options,
+    /// Whether a pilot run finds the warm-up.
+    pub find_warm_up: bool,
     /// Number of runs, with consecutive seeds.
     pub replications: u32,
     /// Whether to recompile libraries that already exist.
@@ -51,6 +53,9 @@ pub fn simulate(
     let controllers = instances(line, machines, &libraries)?;
     let mut plant = Plant::new(Arc::new(line.clone()), controllers, options.options)?;
     let start = Instant::now();
+    if options.find_warm_up {
+        plant.find_warm_up().map_err(|finding| vec![*finding])?;
+    }
     let (traces, replications) = plant.replicate(u64::from(options.replications));
     Ok(Run {
         traces,

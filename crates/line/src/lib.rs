@@ -47,6 +47,7 @@ pub mod abstraction;
 pub mod calendar;
 pub mod calls;
 mod metric;
+pub mod mser;
 mod plant;
 pub mod random;
 pub mod replicate;

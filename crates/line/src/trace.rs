@@ -23,6 +23,8 @@ pub struct Trace {
     pub makespan: f64,
     /// Simulated seconds at the beginning in which nothing was counted.
     pub warm_up: f64,
+    /// Whether the warm-up was found by a pilot run.
+    pub warm_up_found: bool,
     /// End products per hour of simulated time, after the warm-up.
     pub throughput_per_hour: f64,
     /// End products per hour of working time; `None` if the line has no shift.

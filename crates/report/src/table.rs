@@ -51,8 +51,15 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
         format!("{} {product} {verb}{ending}", trace.products),
     );
     row("makespan", duration(trace.makespan));
+    let how = if trace.warm_up_found {
+        " (by MSER-5)"
+    } else {
+        ""
+    };
     let warm_up = if trace.warm_up > 0.0 {
-        format!("; warm-up {}, not counted", duration(trace.warm_up))
+        format!("; warm-up {}{how}, not counted", duration(trace.warm_up))
+    } else if trace.warm_up_found {
+        format!("; no warm-up{how}")
     } else {
         String::new()
     };

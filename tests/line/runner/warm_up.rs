@@ -186,3 +186,47 @@ fn throughput_on_shift_counts_working_time() {
     assert!((on_shift - 3600.0 / 7.0).abs() < 0.1, "{on_shift}");
     assert!((trace.throughput_per_hour - on_shift / 3.0).abs() < 1e-9);
 }
+
+/// The line fills for some two hundred seconds. The pilot run finds this, and the runs that follow
+/// leave it out.
+#[test]
+fn the_warm_up_is_found() {
+    let text = "line L {
+        part P
+        source rack: P every exponential(10 s)
+        conveyor belt places 200 pitch 1 m speed 0.5 m/s
+        buffer queue capacity 100
+        station cell { takes exponential(8 s) }
+        sink out
+        route P: rack -> belt -> queue -> cell -> out
+    }";
+    let mut plant = plant_of(text, until(40_000.0, 0.0));
+    let found = plant.find_warm_up().expect("the run is long enough");
+    // Nothing leaves the belt within 400 s.
+    assert!((400.0..10_000.0).contains(&found), "{found}");
+    let trace = plant.run();
+    assert_eq!(trace.warm_up, found);
+    // The pilot run leaves nothing behind.
+    let mut again = plant_of(text, until(40_000.0, found));
+    assert_eq!(again.run().products, trace.products);
+    assert_eq!(plant.find_warm_up().ok(), Some(found));
+}
+
+#[test]
+fn a_line_that_never_becomes_steady_has_no_warm_up() {
+    let text = "line L {
+        part P
+        source rack: P every 5 s
+        buffer queue capacity 4000
+        station cell { takes 10 s }
+        sink out
+        route P: rack -> queue -> cell -> out
+    }";
+    let found = plant_of(text, until(10_000.0, 0.0)).find_warm_up();
+    let finding = found.expect_err("lead times grow without end");
+    assert!(
+        finding.message.contains("does not become steady"),
+        "{}",
+        finding.message
+    );
+}

@@ -2,6 +2,9 @@
 
 use crate::statistics::{LeadTimes, Level};
 
+/// Maximum number of observations that are stored to find a warm-up.
+const MAX_OBSERVATIONS: usize = 1 << 20;
+
 /// The counters of one run.
 #[derive(Debug)]
 pub(super) struct Counters {
@@ -13,6 +16,9 @@ pub(super) struct Counters {
     pub makespan: f64,
     /// Lead times of the end products.
     pub lead_times: LeadTimes,
+    /// Completion and lead time of each end product, in seconds, up to [`MAX_OBSERVATIONS`]; `None`
+    /// if they are not wanted.
+    pub observations: Option<Vec<(f64, f64)>>,
     /// Number of parts that have entered the line.
     pub entered: u64,
     /// Number of parts that have left the line as finished.
@@ -41,6 +47,7 @@ impl Counters {
             stored: 0,
             makespan: 0.0,
             lead_times: LeadTimes::new(seed),
+            observations: None,
             entered: 0,
             finished: 0,
             consumed: 0,
@@ -72,5 +79,10 @@ impl Counters {
         self.stored += u64::from(stored);
         self.makespan = now;
         self.lead_times.add(now - entered_at);
+        if let Some(observations) = &mut self.observations
+            && observations.len() < MAX_OBSERVATIONS
+        {
+            observations.push((now, now - entered_at));
+        }
     }
 }

@@ -14,7 +14,8 @@ impl Run<'_> {
         self.report_short_run();
         let (mut stations, mut conveyors, mut buffers) = (Vec::new(), Vec::new(), Vec::new());
         let (now, on_shift) = (self.now, self.on_shift);
-        let counted = self.counted_seconds();
+        let start = self.counting_start();
+        let counted = now - start;
         for (index, node) in self.line.nodes.iter().enumerate() {
             match (&node.kind, &mut self.places[index]) {
                 (NodeKind::Station(declared), Place::Station(station)) => {
@@ -87,7 +88,6 @@ impl Run<'_> {
                 0.0
             }
         };
-        let start = now - counted;
         let on_shift_seconds = self
             .line
             .shift
@@ -102,6 +102,7 @@ impl Run<'_> {
             stored: self.counters.stored,
             makespan: self.counters.makespan,
             warm_up: start,
+            warm_up_found: self.setup.warm_up_found,
             throughput_per_hour: per_hour(counted),
             throughput_on_shift: on_shift_seconds.map(per_hour),
             wip: WorkInProgress {
@@ -144,7 +145,7 @@ impl Run<'_> {
     /// Checks Little's law. It holds exactly in every interval (Stidham, 1974): the integral of the
     /// number of parts in the line is the sum of the times that parts spent there.
     fn check_littles_law(&mut self) {
-        let (now, start) = (self.now, self.now - self.counted_seconds());
+        let (now, start) = (self.now, self.counting_start());
         self.counters.units.advance(now);
         let here = (0..self.places.len()).flat_map(|node| self.held(node));
         let here = here.filter(|part| self.parts[*part].entered);

@@ -369,7 +369,7 @@ impl Run<'_> {
 
     /// Removes a part that has left the line, or was joined to another.
     pub(super) fn leave_line(&mut self, part: PartIndex) {
-        let start = self.counting_since.unwrap_or(0.0);
+        let start = self.counting_start();
         self.counters
             .unit_leaves(self.now, self.parts[part].since, start);
         self.parts.remove(part);

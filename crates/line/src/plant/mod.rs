@@ -56,6 +56,8 @@ pub struct Plant {
 struct Setup {
     line: Arc<Line>,
     options: Options,
+    /// Whether a pilot run has found the warm-up of the options.
+    warm_up_found: bool,
     /// Number of end products after which the run ends; `None` if they do not end it.
     target: Option<u64>,
     /// Simulated seconds after which the run ends; `None` if time does not end it.
@@ -217,6 +219,7 @@ impl Plant {
             setup: Setup {
                 line,
                 options,
+                warm_up_found: false,
                 target,
                 horizon,
                 ways,

@@ -1,10 +1,58 @@
 //! The warm-up: the time from the start of a run in which nothing is counted, because the line is
 //! still filling.
 
-use super::{Place, Run};
+use super::{Place, Plant, Run};
+use crate::mser::mser5;
 use crate::statistics::LeadTimes;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{NodeKind, Supply};
+
+impl Plant {
+    /// Finds the warm-up by a pilot run with the seed and the end of the options, and sets it for
+    /// all runs from now on. MSER-5 is applied to the lead times of the products and to the times
+    /// between them, and the later cut is taken. Returns the warm-up in seconds.
+    ///
+    /// # Errors
+    /// Returns `LW404` if the pilot run is too short.
+    pub fn find_warm_up(&mut self) -> Result<f64, Box<Diagnostic>> {
+        self.setup.options.warm_up = 0.0;
+        for controller in self.controllers.iter_mut().flatten() {
+            controller.reset();
+        }
+        let mut run = Run::new(&self.setup, &mut self.controllers, self.setup.options.seed);
+        run.counters.observations = Some(Vec::new());
+        run.advance();
+        let observations = run.counters.observations.take().unwrap_or_default();
+        let lead_times: Vec<f64> = observations.iter().map(|(_, lead)| *lead).collect();
+        let mut last = 0.0;
+        let between = observations.iter().map(|(time, _)| {
+            let seconds = time - last;
+            last = *time;
+            seconds
+        });
+        let between: Vec<f64> = between.collect();
+        let (Some(a), Some(b)) = (mser5(&lead_times), mser5(&between)) else {
+            let line = &self.setup.line;
+            let message = format!(
+                "no warm-up of {} was found in a run with {} products: it does not become steady in the first half of the run",
+                line.name,
+                observations.len()
+            );
+            return Err(Box::new(
+                Diagnostic::error(codes::LINE_LIMIT, line.span, message).with_help(
+                    "Let it run longer, or give the warm-up: `--warm-up 2h`. If parts come faster than they can be processed, the line never becomes steady.",
+                ),
+            ));
+        };
+        let warm_up = match a.max(b) {
+            0 => 0.0,
+            cut => observations[cut - 1].0,
+        };
+        self.setup.options.warm_up = warm_up;
+        self.setup.warm_up_found = true;
+        Ok(warm_up)
+    }
+}
 
 impl Run<'_> {
     /// Ends the warm-up: what has been counted so far is forgotten. Violations and findings are
@@ -72,8 +120,8 @@ impl Run<'_> {
         );
     }
 
-    /// Seconds in which was counted: from the end of the warm-up, or from the start.
-    pub(super) fn counted_seconds(&self) -> f64 {
-        self.now - self.counting_since.unwrap_or(0.0)
+    /// Time from which on was counted: the end of the warm-up, or 0.
+    pub(super) fn counting_start(&self) -> f64 {
+        self.counting_since.unwrap_or(0.0)
     }
 }
