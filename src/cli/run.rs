@@ -11,7 +11,7 @@ use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::simulation::{self, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
-use crate::line::Options;
+use crate::line::{Count, Options};
 use crate::report;
 use clap::Args;
 use std::path::PathBuf;
@@ -44,9 +44,14 @@ pub struct Arguments {
         allow_negative_numbers = true
     )]
     pub seed: u64,
-    /// Number of replications, with consecutive random seeds
-    #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub replications: u32,
+    /// Number of replications, with consecutive random seeds [default: 1; with --precision, at most
+    /// 1000]
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub replications: Option<u32>,
+    /// Make replications until throughput and mean lead time have this relative precision, such as
+    /// 1%
+    #[arg(long, value_name = "P", value_parser = precision)]
+    pub precision: Option<f64>,
     /// Folder of the station libraries [default: .linewright next to the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -71,6 +76,22 @@ fn warm_up(text: &str) -> Result<WarmUp, String> {
     time::seconds(text)
         .map(WarmUp::Seconds)
         .map_err(|why| format!("{why}, or `auto`"))
+}
+
+/// Maximum number of replications with `--precision` if `--replications` does not limit them.
+const MOST_REPLICATIONS: u64 = 1000;
+
+/// Parses a relative precision: `1%`, `1 %` or `0.01`.
+fn precision(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (digits, scale) = match text.strip_suffix('%') {
+        Some(digits) => (digits.trim_end(), 0.01),
+        None => (text, 1.0),
+    };
+    let value = digits.parse::<f64>().ok().map(|value| value * scale);
+    value
+        .filter(|value| (1e-6..1.0).contains(value))
+        .ok_or_else(|| format!("`{text}` is not a precision: write for example `1%`, or `0.01`"))
 }
 
 /// Runs the command.
@@ -144,7 +165,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             ..Options::default()
         },
         find_warm_up: arguments.warm_up == Some(WarmUp::Auto),
-        replications: arguments.replications,
+        replications: match (arguments.precision, arguments.replications) {
+            (Some(precision), most) => Count::Until {
+                precision,
+                most: most.map_or(MOST_REPLICATIONS, u64::from),
+            },
+            (None, count) => Count::Fixed(count.map_or(1, u64::from)),
+        },
         rebuild: arguments.rebuild,
     };
     let folder = arguments.out.as_deref().unwrap_or(&default);
@@ -152,7 +179,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Ok(run) => {
             findings.extend(run.replications.findings.clone());
             let trace = &run.traces[0];
-            let several = (arguments.replications > 1).then_some(&run.replications);
+            let is_single = run_options.replications == Count::Fixed(1);
+            let several = (!is_single).then_some(&run.replications);
             let seconds = (!options.no_timing).then_some(run.seconds);
             match options.format {
                 Format::Json => {

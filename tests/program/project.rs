@@ -4,7 +4,7 @@
 use linewright::engine::pipeline::Verdict;
 use linewright::engine::project::{Project, ProjectError};
 use linewright::engine::simulation::SimulationOptions;
-use linewright::line::Options;
+use linewright::line::{Count, Options};
 use std::path::Path;
 
 fn example() -> Project {
@@ -43,7 +43,7 @@ fn a_machine_is_built_and_a_line_is_run() {
             ..Options::default()
         },
         find_warm_up: false,
-        replications: 2,
+        replications: Count::Fixed(2),
         rebuild: false,
     };
     let run = project.run(line, folder.path(), &how).expect("it runs");

@@ -5,7 +5,8 @@ use crate::libraries;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
-use linewright_line::{Options, Plant, Replications, Trace};
+use linewright_line::replicate::replicate;
+use linewright_line::{Count, Options, Plant, Replications, Trace};
 use linewright_station::load::Library;
 use linewright_station::profile::Profile;
 use linewright_station::{Controller, Package, Toolchain};
@@ -23,7 +24,7 @@ pub struct SimulationOptions {
     /// Whether a pilot run finds the warm-up.
     pub find_warm_up: bool,
     /// Number of runs, with consecutive seeds.
-    pub replications: u32,
+    pub replications: Count,
     /// Whether to recompile libraries that already exist.
     pub rebuild: bool,
 }
@@ -50,13 +51,26 @@ pub fn simulate(
     options: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
     let libraries = build(machines, folder, options)?;
-    let controllers = instances(line, machines, &libraries)?;
-    let mut plant = Plant::new(Arc::new(line.clone()), controllers, options.options)?;
+    let line = Arc::new(line.clone());
+    let plant = || {
+        let controllers = instances(&line, machines, &libraries)?;
+        Plant::new(Arc::clone(&line), controllers, options.options)
+    };
     let start = Instant::now();
-    if options.find_warm_up {
-        plant.find_warm_up().map_err(|finding| vec![*finding])?;
-    }
-    let (traces, replications) = plant.replicate(u64::from(options.replications));
+    let warm_up = if options.find_warm_up {
+        Some(plant()?.find_warm_up().map_err(|finding| vec![*finding])?)
+    } else {
+        None
+    };
+    let plant = || {
+        let mut plant = plant()?;
+        if let Some(seconds) = warm_up {
+            plant.set_found_warm_up(seconds);
+        }
+        Ok(plant)
+    };
+    let threads = rayon::current_num_threads();
+    let (traces, replications) = replicate(threads, plant, options.replications)?;
     Ok(Run {
         traces,
         replications,

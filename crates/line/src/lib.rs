@@ -60,7 +60,7 @@ mod validate;
 use linewright_core::deadline::Deadline;
 pub use metric::ReplicatedRequirement;
 pub use plant::Plant;
-pub use replicate::{Estimate, Replications};
+pub use replicate::{Count, Estimate, Replications};
 pub use trace::{End, Trace};
 pub use undecided::UndecidedReason;
 

@@ -17,6 +17,12 @@ pub struct Replications {
     pub throughput_per_hour: Option<Estimate>,
     /// Seconds to the last product, over the runs that made a product; `None` if no run made one.
     pub makespan: Option<Estimate>,
+    /// Mean lead time in seconds, over the runs that made a product.
+    pub lead_time: Option<Estimate>,
+    /// 95th percentile of the lead time in seconds, over the runs that made a product.
+    pub lead_time_p95: Option<Estimate>,
+    /// Mean number of parts in the line.
+    pub wip: Option<Estimate>,
     /// Total energy in kWh.
     pub energy_kwh: Option<Estimate>,
     /// The line's requirements over all runs, in line order.
@@ -51,6 +57,121 @@ impl Estimate {
         });
         Some(Self { mean, half_width })
     }
+
+    /// Whether the relative error of the mean is at most `precision`, from 0 to 1, as far as the
+    /// interval tells. The interval is around the estimated mean, not the true one; with the half
+    /// width at most `precision / (1 + precision)` of the estimate, the error is at most
+    /// `precision` of the true mean (Law, "Simulation Modeling and Analysis", section 9.4.1).
+    pub fn is_within(&self, precision: f64) -> bool {
+        let allowed = precision / (1.0 + precision) * self.mean.abs();
+        self.half_width.is_some_and(|half| half <= allowed)
+    }
+}
+
+/// How many replications are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Count {
+    /// This many, at least 1.
+    Fixed(u64),
+    /// As many as it takes until throughput and mean lead time have this relative precision (from 0
+    /// to 1), but at most `most`.
+    Until {
+        /// Relative precision; see [`Estimate::is_within`].
+        precision: f64,
+        /// Maximum number of replications.
+        most: u64,
+    },
+}
+
+/// Number of replications that are made before their precision is judged. With fewer, the interval
+/// may be narrow by chance.
+const FIRST: u64 = 10;
+
+impl Count {
+    /// Number of replications to make at first.
+    fn first(self) -> u64 {
+        match self {
+            Self::Fixed(count) => count.max(1),
+            Self::Until { most, .. } => FIRST.min(most).max(1),
+        }
+    }
+
+    /// Number of replications to make next, given those made so far; `None` if they suffice. At
+    /// most as many again are made as there are, so that a poor estimate costs little.
+    fn next(self, done: &Replications) -> Option<u64> {
+        let Self::Until { precision, most } = self else {
+            return None;
+        };
+        let count = done.seeds.len() as u64;
+        if done.is_within(precision) || count >= most {
+            return None;
+        }
+        Some(count.min(most - count))
+    }
+}
+
+/// Runs a line several times, with consecutive seeds from that of the options, on several threads.
+/// `plant` creates the plant of a thread. The traces are those that
+/// [`Plant::replicate`] returns, in the same order, for any number of threads.
+///
+/// # Errors
+/// Returns the findings of `plant`.
+pub fn replicate(
+    threads: usize,
+    plant: impl Fn() -> Result<Plant, Vec<Diagnostic>> + Sync,
+    count: Count,
+) -> Result<(Vec<Trace>, Replications), Vec<Diagnostic>> {
+    let mut own = plant()?;
+    let mut traces: Vec<Trace> = Vec::new();
+    let mut wanted = count.first();
+    loop {
+        let done = traces.len() as u64;
+        let more = runs(&mut own, threads, &plant, done, wanted)?;
+        let complete = more.len() as u64 == wanted;
+        traces.extend(more);
+        let (kept, mut replications) = own.combined(traces, done + wanted);
+        traces = kept;
+        let next = count.next(&replications).filter(|_| complete);
+        let Some(next) = next else {
+            replications.report_precision(own.line(), count);
+            return Ok((traces, replications));
+        };
+        wanted = next;
+    }
+}
+
+/// Makes runs number `done` to `done + wanted`. Each thread makes every n-th of them. If the
+/// deadline kept a run from beginning, it is missing, and so are all runs after it.
+fn runs(
+    own: &mut Plant,
+    threads: usize,
+    plant: &(impl Fn() -> Result<Plant, Vec<Diagnostic>> + Sync),
+    done: u64,
+    wanted: u64,
+) -> Result<Vec<Trace>, Vec<Diagnostic>> {
+    let threads = threads.clamp(1, usize::try_from(wanted).unwrap_or(usize::MAX));
+    let step = threads as u64;
+    let others: Vec<Result<Vec<Trace>, Vec<Diagnostic>>> = std::thread::scope(|scope| {
+        let started: Vec<_> = (1..step)
+            .map(|first| scope.spawn(move || Ok(plant()?.every(done + first, step, done + wanted))))
+            .collect();
+        let own = Ok(own.every(done, step, done + wanted));
+        let others = started.into_iter().map(|thread| {
+            let result = thread.join();
+            result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        std::iter::once(own).chain(others).collect()
+    });
+    let mut others = others.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut streams: Vec<_> = others.iter_mut().map(|traces| traces.drain(..)).collect();
+    let mut traces = Vec::new();
+    for run in 0..wanted {
+        match streams[(run % step) as usize].next() {
+            Some(trace) => traces.push(trace),
+            None => break,
+        }
+    }
+    Ok(traces)
 }
 
 impl Plant {
@@ -60,19 +181,34 @@ impl Plant {
     /// further run begins, and a finding reports this. A run that the deadline cut off is omitted,
     /// unless it is the first.
     pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
-        let first = self.seed();
         let count = count.max(1);
+        let traces = self.every(0, 1, count);
+        self.combined(traces, count)
+    }
+
+    /// Makes runs number `first`, `first + step` and so on, before `end`, until the deadline.
+    fn every(&mut self, first: u64, step: u64, end: u64) -> Vec<Trace> {
         let mut traces = Vec::new();
-        for offset in 0..count {
-            traces.push(self.run_seeded(first.wrapping_add(offset)));
-            if offset + 1 < count && self.late().is_some() {
+        let mut run = first;
+        while run < end {
+            if run > 0 && self.late().is_some() {
                 break;
             }
+            traces.push(self.run_seeded(self.seed().wrapping_add(run)));
+            run += step;
         }
+        traces
+    }
+
+    /// Evaluates these runs, of which `count` were wanted. Leaves out runs that the deadline cut
+    /// off, unless there are no others.
+    fn combined(&self, mut traces: Vec<Trace>, count: u64) -> (Vec<Trace>, Replications) {
         let is_over = |trace: &Trace| trace.end != End::GaveUp;
         let done = traces.iter().filter(|t| is_over(t)).count() as u64;
         if done > 0 {
             traces.retain(is_over);
+        } else {
+            traces.truncate(1);
         }
         let mut replications = Replications::of(self.line(), &traces);
         if done < count {
@@ -90,6 +226,32 @@ impl Plant {
 }
 
 impl Replications {
+    /// Whether throughput and mean lead time have this relative precision.
+    fn is_within(&self, precision: f64) -> bool {
+        let within = |estimate: Option<Estimate>| estimate.is_some_and(|e| e.is_within(precision));
+        within(self.throughput_per_hour) && within(self.lead_time)
+    }
+
+    /// Reports that the wanted precision was not reached.
+    fn report_precision(&mut self, line: &Line, count: Count) {
+        let Count::Until { precision, most } = count else {
+            return;
+        };
+        if self.is_within(precision) || (self.seeds.len() as u64) < most {
+            return;
+        }
+        let message = format!(
+            "{most} replications of {} do not give the throughput and the mean lead time to {} %",
+            line.name,
+            precision * 100.0
+        );
+        self.findings.push(
+            Diagnostic::warning(codes::LINE_LIMIT, line.span, message).with_help(
+                "Let each run last longer, allow more with --replications, or ask for less precision.",
+            ),
+        );
+    }
+
     /// Evaluates these runs of a line.
     pub fn of(line: &Line, traces: &[Trace]) -> Self {
         let estimate = |metric: &Metric| {
@@ -97,6 +259,12 @@ impl Replications {
                 .iter()
                 .filter_map(|trace| metric::measure(metric, trace));
             Estimate::of(&measured.collect::<Vec<_>>())
+        };
+        let over = |value: &dyn Fn(&Trace) -> f64, of_products: bool| {
+            let measured = traces
+                .iter()
+                .filter(|trace| !of_products || trace.products > 0);
+            Estimate::of(&measured.map(value).collect::<Vec<_>>())
         };
         let requirements = metric::over(line, traces);
         let mut findings: Vec<Diagnostic> = Vec::new();
@@ -113,6 +281,9 @@ impl Replications {
             seeds: traces.iter().map(|trace| trace.seed).collect(),
             throughput_per_hour: estimate(&Metric::ThroughputPerHour),
             makespan: estimate(&Metric::MakespanSeconds),
+            lead_time: estimate(&Metric::LeadTimeMeanSeconds),
+            lead_time_p95: over(&|trace| trace.lead_time.p95, true),
+            wip: over(&|trace| trace.wip.mean, false),
             energy_kwh: estimate(&Metric::EnergyKwh),
             requirements,
             findings,

@@ -199,6 +199,9 @@ fn replicated(replications: &Replications) -> Value {
         "confidence": 0.95,
         "throughput_per_hour": estimate(replications.throughput_per_hour, 6),
         "makespan_seconds": estimate(replications.makespan, 6),
+        "lead_time_seconds": estimate(replications.lead_time, 6),
+        "lead_time_p95_seconds": estimate(replications.lead_time_p95, 6),
+        "wip": estimate(replications.wip, 6),
         "energy_kwh": estimate(replications.energy_kwh, 9),
     })
 }

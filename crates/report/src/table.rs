@@ -337,6 +337,9 @@ fn replicated(out: &mut String, replications: &Replications) {
     };
     let rows = vec![
         row("throughput an hour", replications.throughput_per_hour, 3),
+        row("mean lead time in s", replications.lead_time, 3),
+        row("95th percentile in s", replications.lead_time_p95, 3),
+        row("mean WIP", replications.wip, 3),
         row("makespan in seconds", replications.makespan, 1),
         row("energy in kWh", replications.energy_kwh, 4),
     ];

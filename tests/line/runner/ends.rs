@@ -1,9 +1,10 @@
 //! The end of a run, its checks, and lines that are refused before they run.
 
-use crate::models::{Builder, at_random, constant, every, span};
+use crate::models::{Builder, at_random, constant, every, plant_of, span};
 use linewright::contract::line::{Comparison, Limit, Metric, Requirement};
 use linewright::deadline::Deadline;
-use linewright::line::{End, Options, Plant};
+use linewright::line::replicate::replicate;
+use linewright::line::{Count, End, Options, Plant, Trace};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -234,4 +235,63 @@ fn what_was_not_measured_holds_of_nothing() {
     };
     assert_eq!(run(5.0), [false, false, true]);
     assert_eq!(run(15.0), [true, true, true]);
+}
+
+/// A queue with random arrivals and services.
+const QUEUE: &str = "line L {
+    part P
+    source rack: P every exponential(10 s)
+    buffer queue capacity 50
+    station cell { takes exponential(7 s) }
+    sink out
+    route P: rack -> queue -> cell -> out
+}";
+
+#[test]
+fn replications_do_not_depend_on_the_number_of_threads() {
+    let options = Options {
+        parts: Some(300),
+        ..Options::default()
+    };
+    let make = || Ok(plant_of(QUEUE, options));
+    let (traces, figures) = plant_of(QUEUE, options).replicate(23);
+    for threads in [1, 2, 3, 8, 40] {
+        let (other, same) = replicate(threads, make, Count::Fixed(23)).expect("it runs");
+        assert_eq!(figures, same, "{threads} threads");
+        let seconds = |traces: &[Trace]| -> Vec<f64> { traces.iter().map(|t| t.seconds).collect() };
+        assert_eq!(seconds(&traces), seconds(&other), "{threads} threads");
+    }
+}
+
+#[test]
+fn replications_go_on_until_they_are_precise() {
+    let options = Options {
+        parts: Some(300),
+        ..Options::default()
+    };
+    let make = || Ok(plant_of(QUEUE, options));
+    let count = Count::Until {
+        precision: 0.05,
+        most: 1000,
+    };
+    let (_, figures) = replicate(2, make, count).expect("it runs");
+    let runs = figures.seeds.len();
+    assert!((20..1000).contains(&runs), "{runs}");
+    for estimate in [figures.throughput_per_hour, figures.lead_time] {
+        let estimate = estimate.expect("it is measured");
+        assert!(estimate.half_width.expect("several runs") <= 0.05 * estimate.mean);
+    }
+    assert!(figures.findings.is_empty());
+    // The same runs as with a fixed number.
+    let (_, fixed) = replicate(3, make, Count::Fixed(runs as u64)).expect("it runs");
+    assert_eq!(fixed, figures);
+
+    let count = Count::Until {
+        precision: 0.001,
+        most: 30,
+    };
+    let (_, figures) = replicate(2, make, count).expect("it runs");
+    assert_eq!(figures.seeds.len(), 30);
+    assert_eq!(figures.findings.len(), 1);
+    assert!(figures.findings[0].message.contains("do not give"));
 }

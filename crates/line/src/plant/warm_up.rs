@@ -48,9 +48,14 @@ impl Plant {
             0 => 0.0,
             cut => observations[cut - 1].0,
         };
-        self.setup.options.warm_up = warm_up;
-        self.setup.warm_up_found = true;
+        self.set_found_warm_up(warm_up);
         Ok(warm_up)
+    }
+
+    /// Sets a warm-up that [`Self::find_warm_up`] has found in another plant of the line.
+    pub fn set_found_warm_up(&mut self, seconds: f64) {
+        self.setup.options.warm_up = seconds;
+        self.setup.warm_up_found = true;
     }
 }
 
