@@ -164,7 +164,7 @@ impl Builder {
             Rule::l_route => {
                 let part = self.name(&c.next());
                 let mut stops = Vec::new();
-                while let Some(stop) = c.take(Rule::name) {
+                while let Some(stop) = c.take(Rule::word) {
                     stops.push(self.name(&stop));
                 }
                 let when = c.take(Rule::expression).map(|e| self.expr(e));
@@ -176,7 +176,7 @@ impl Builder {
                 LineItem::Requirement {
                     name,
                     metric: self.name(&metric.next()),
-                    of: metric.take(Rule::name).map(|n| self.name(&n)),
+                    of: metric.take(Rule::word).map(|n| self.name(&n)),
                     op: binary_op(c.next().as_str()),
                     bound: self.expr(c.next()),
                     per_hour: c.take(Rule::per_hour).is_some(),
