@@ -240,8 +240,13 @@ impl Replications {
         if self.is_within(precision) || (self.seeds.len() as u64) < most {
             return;
         }
+        let what = if most == 1 {
+            "1 replication of"
+        } else {
+            &format!("{most} replications of")
+        };
         let message = format!(
-            "{most} replications of {} do not give the throughput and the mean lead time to {} %",
+            "{what} {} cannot give the throughput and the mean lead time to {} %",
             line.name,
             precision * 100.0
         );

@@ -293,5 +293,5 @@ fn replications_go_on_until_they_are_precise() {
     let (_, figures) = replicate(2, make, count).expect("it runs");
     assert_eq!(figures.seeds.len(), 30);
     assert_eq!(figures.findings.len(), 1);
-    assert!(figures.findings[0].message.contains("do not give"));
+    assert!(figures.findings[0].message.contains("cannot give"));
 }

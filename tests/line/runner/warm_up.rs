@@ -89,6 +89,23 @@ fn a_number_of_products_counts_from_the_end_of_the_warm_up() {
     assert_eq!(trace.seconds, 244.0);
 }
 
+/// However many products are made during the warm-up, they do not end the run.
+#[test]
+fn products_of_the_warm_up_do_not_end_a_run() {
+    for supply in ["every 10 s", "on order"] {
+        let text = LINE.replace("every 10 s", supply);
+        let options = Options {
+            parts: Some(10),
+            warm_up: 1000.0,
+            ..Options::default()
+        };
+        let trace = run(&text, options);
+        assert_eq!((trace.end, trace.products), (End::Products, 10), "{supply}");
+        // Parts leave the line at 19, 34, ..., 1009, 1024 and so on.
+        assert_eq!(trace.seconds, 1009.0 + 9.0 * 15.0, "{supply}");
+    }
+}
+
 #[test]
 fn a_run_that_ends_during_the_warm_up_says_so() {
     let text = LINE.replace("every 10 s", "every 10 s limit 2");
@@ -98,12 +115,13 @@ fn a_run_that_ends_during_the_warm_up_says_so() {
         ..Options::default()
     };
     let trace = run(&text, options);
-    assert_eq!((trace.end, trace.products), (End::Products, 0));
-    assert_eq!(trace.findings.len(), 1);
+    assert_eq!((trace.end, trace.products), (End::Blocked, 0));
+    let messages: Vec<&str> = trace.findings.iter().map(|f| f.message.as_str()).collect();
     assert!(
-        trace.findings[0]
-            .message
-            .contains("before its warm-up was over")
+        messages
+            .iter()
+            .any(|m| m.contains("before its warm-up was over")),
+        "{messages:?}"
     );
 }
 

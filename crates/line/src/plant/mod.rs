@@ -281,6 +281,8 @@ impl<'a> Run<'a> {
                     seed,
                     setup
                         .target
+                        // During the warm-up, there are orders without end.
+                        .filter(|_| setup.options.warm_up <= 0.0)
                         .map(|count| count.saturating_mul(setup.content(line.product, *part))),
                 )),
                 NodeKind::Sink { .. } => Place::Sink,

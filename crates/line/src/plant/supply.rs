@@ -42,6 +42,11 @@ impl Source {
         }
     }
 
+    /// Sets the number of parts that are still to be made on order.
+    pub(super) fn limit_orders(&mut self, count: u64) {
+        self.left_to_make = Some(count);
+    }
+
     /// Whether the source will never make another part unless more are ordered.
     pub(super) fn exhausted(&self) -> bool {
         self.left_to_make == Some(0)

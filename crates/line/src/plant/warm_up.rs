@@ -61,8 +61,8 @@ impl Plant {
 
 impl Run<'_> {
     /// Ends the warm-up: what has been counted so far is forgotten. Violations and findings are
-    /// kept. Parts that are in the line stay there, and sources on order get new orders for the
-    /// products made so far.
+    /// kept. Parts that are in the line stay there. Sources on order, which have had orders without
+    /// end so far, get those for the wanted products.
     pub(super) fn end_warm_up(&mut self) {
         let now = self.now;
         self.counting_since = Some(now);
@@ -79,7 +79,7 @@ impl Run<'_> {
             }
         }
         let counters = &mut self.counters;
-        let products = std::mem::take(&mut counters.products);
+        counters.products = 0;
         counters.stored = 0;
         counters.makespan = 0.0;
         counters.lead_times = LeadTimes::new(self.seed);
@@ -92,18 +92,21 @@ impl Run<'_> {
         for reject in &mut counters.rejects {
             *reject = (0, 0);
         }
-        if self.setup.target.is_none() || products == 0 {
+        let Some(target) = self.setup.target else {
             return;
-        }
-        for (index, node) in self.line.nodes.iter().enumerate() {
-            if let NodeKind::Source {
-                part,
-                supply: Supply::OnOrder,
-                ..
-            } = node.kind
+        };
+        for (node, place) in self.line.nodes.iter().zip(&mut self.places) {
+            if let (
+                NodeKind::Source {
+                    part,
+                    supply: Supply::OnOrder,
+                    ..
+                },
+                Place::Source(source),
+            ) = (&node.kind, place)
             {
-                let each = self.setup.content(self.line.product, part);
-                self.order(index, products.saturating_mul(each));
+                let each = self.setup.content(self.line.product, *part);
+                source.limit_orders(target.saturating_mul(each));
             }
         }
     }
