@@ -185,3 +185,25 @@ fn modes_have_random_numbers_of_their_own() {
     assert!(failed(&one).len() > 20);
     assert_eq!(failed(&one), failed(&two));
 }
+
+/// Each failure makes the planned end of the work outdated. A million such events at one instant
+/// are no livelock.
+#[test]
+fn outdated_events_are_no_livelock() {
+    let text = "line L {
+        part P
+        source rack: P every 10 s
+        station cell {
+            takes 2 s
+            failures mtbf constant(1e-6 s) mttr constant(0 s) by calendar
+        }
+        sink out
+        route P: rack -> cell -> out
+    }";
+    let options = Options {
+        until: Some(2.1),
+        ..Options::default()
+    };
+    let trace = plant_of(text, options).run();
+    assert_eq!((trace.end, trace.products), (End::Time, 1));
+}

@@ -45,6 +45,11 @@ impl Progress {
         }
     }
 
+    /// Does not count the current event, because it is outdated.
+    pub(super) fn skip_event(&mut self) {
+        self.at_instant = self.at_instant.saturating_sub(1);
+    }
+
     /// Counts a movement of a part.
     pub(super) fn count_movement(&mut self) {
         self.at_instant += 1;

@@ -534,6 +534,7 @@ impl Run<'_> {
     pub(super) fn station_event(&mut self, node: usize, number: u32) {
         let station = self.station(node);
         if !station.running || station.number != number {
+            self.progress.skip_event();
             return;
         }
         let until_failure = if station.phase == Phase::Service {
