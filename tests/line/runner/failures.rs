@@ -114,7 +114,7 @@ fn repairs_of_several_modes_follow_each_other() {
     let trace = run(
         "0 s",
         "takes 10 s
-         failures blunt: every 1 parts mttr constant(5 s)
+         failures blunt: every 1 part mttr constant(5 s)
          failures power: mtbf constant(12 s) mttr constant(7 s) by calendar",
         55.0,
     );

@@ -135,7 +135,7 @@ codes! {
     LINE_UNKNOWN = "LW401", "a station, part type or route end is not declared";
     LINE_ROUTE = "LW402", "a part has no way onward";
     LINE_BLOCKED = "LW403", "the line can no longer advance";
-    LINE_LIMIT = "LW404", "the run has no end";
+    LINE_LIMIT = "LW404", "a run has no end, or is too short";
     LINE_VIOLATION = "LW405", "a contract was violated while the line ran";
     LINE_REQUIREMENT = "LW406", "a requirement does not hold";
     LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";

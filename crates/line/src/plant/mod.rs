@@ -198,7 +198,7 @@ impl Plant {
                 Diagnostic::error(
                     codes::LINE_LIMIT,
                     line.span,
-                    format!("the run of {} ends before its warm-up", line.name),
+                    format!("the run of {} is not longer than its warm-up", line.name),
                 )
                 .with_help("Let it run longer than the warm-up: `--warm-up 2h --until 10h`."),
             );

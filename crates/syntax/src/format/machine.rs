@@ -102,6 +102,7 @@ impl Printer<'_> {
                 self.put("mtbf ");
                 self.duration(time);
             }
+            Between::Parts(1) => self.put("every 1 part"),
             Between::Parts(count) => self.put(&format!("every {count} parts")),
         }
         self.put(" mttr ");
