@@ -15,3 +15,4 @@ mod runner;
 mod support;
 #[path = "../algebra/discharge/tables.rs"]
 mod tables;
+mod uncontrolled;

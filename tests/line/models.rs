@@ -201,7 +201,7 @@ impl Builder {
             NodeKind::Station(Box::new(Station {
                 machine: Some(machine),
                 tasks,
-                ..self::station()
+                ..Station::default()
             })),
         );
         self.controllers.insert(node, Box::new(controller));
@@ -326,20 +326,6 @@ pub fn at_random(mean: f64, limit: Option<u64>) -> Supply {
     Supply::Every {
         interval: Distribution::Exponential { mean },
         limit,
-    }
-}
-
-/// A station without work.
-fn station() -> Station {
-    Station {
-        machine: None,
-        tasks: Vec::new(),
-        settings: Vec::new(),
-        defects: Vec::new(),
-        setup: Distribution::Constant(0.0),
-        failures: Vec::new(),
-        watts: 0.0,
-        idle_watts: 0.0,
     }
 }
 

@@ -6,7 +6,7 @@ use crate::controlled::ControlledMachine;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::contract::Library;
-use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::line::Line;
 use linewright_language::contract::machine::{Machine, Role};
 use std::sync::Arc;
 
@@ -130,15 +130,8 @@ pub fn has_same_proofs(one: &Machine, other: &Machine) -> bool {
 pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
     let mut machines: Vec<&Arc<Machine>> = Vec::new();
     for node in &line.nodes {
-        let machine = match &node.kind {
-            NodeKind::Station(station) => match &station.machine {
-                Some(machine) => machine,
-                None => continue,
-            },
-            NodeKind::Conveyor {
-                belt: Some(belt), ..
-            } => &belt.machine,
-            _ => continue,
+        let Some(machine) = node.machine() else {
+            continue;
         };
         if !machines.iter().any(|m| Arc::ptr_eq(m, machine)) {
             machines.push(machine);

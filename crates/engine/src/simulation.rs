@@ -3,8 +3,7 @@
 use crate::controlled::ControlledMachine;
 use crate::libraries;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::{Line, NodeKind};
-use linewright_language::contract::machine::Machine;
+use linewright_language::contract::line::Line;
 use linewright_line::replicate::replicate;
 use linewright_line::{Count, Options, Plant, Replications, Trace};
 use linewright_station::load::Library;
@@ -120,19 +119,12 @@ fn instances(
     let mut findings = Vec::new();
     let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
     for (index, node) in line.nodes.iter().enumerate() {
-        let machine: &Machine = match &node.kind {
-            NodeKind::Station(station) => match &station.machine {
-                Some(machine) => machine,
-                None => continue,
-            },
-            NodeKind::Conveyor {
-                belt: Some(belt), ..
-            } => &belt.machine,
-            _ => continue,
+        let Some(machine) = node.machine() else {
+            continue;
         };
         let library = machines
             .iter()
-            .position(|c| std::ptr::eq(c.machine, machine))
+            .position(|c| std::ptr::eq(c.machine, Arc::as_ptr(machine)))
             .map(|i| &libraries[i]);
         match library.map(Library::instance) {
             Some(Ok(instance)) => {

@@ -34,9 +34,13 @@
 //! the same type, the places of the first such task fill first. A free station begins with whatever
 //! has waited longest. The setup time passes if the type that leaves differs from that of the
 //! previous part. The controller is called when service begins; the station is then busy for the
-//! duration that the controller returned. The time to the next breakdown runs only while the
-//! station is busy; repairs continue off shift. Off shift, setup and service are suspended and no
-//! new part is taken; conveyors, sources and stores continue.
+//! duration that the controller returned. A station without a machine is busy for a duration that
+//! is drawn. At the end of service, the station's settings apply to the part, then its defects. Off
+//! shift, setup and service are suspended and no new part is taken; conveyors, sources and stores
+//! continue. For breakdowns, see `plant/failures.rs`; repairs continue off shift.
+//!
+//! **Warm-up.** Until it ends, parts move as ever, but nothing is counted, and products do not end
+//! the run. See `plant/warm_up.rs`.
 //!
 //! **Conveyors** without a contract accumulate. A part travels for `places * pitch / speed` seconds
 //! and comes off at least `pitch / speed` seconds after the part ahead of it. It comes on once the

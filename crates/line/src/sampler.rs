@@ -42,36 +42,38 @@ enum Shape {
 impl Sampler {
     /// Draws from this distribution with the numbers of a stream.
     pub fn new(distribution: &Distribution, stream: Stream) -> Self {
-        // The distribution is valid, so no constructor fails. What has no width is constant.
         let shape = match *distribution {
-            Distribution::Constant(value) => Err(value),
-            Distribution::Uniform { low, high } => Ok(Shape::Uniform {
+            Distribution::Constant(value) => Shape::Constant(value),
+            Distribution::Uniform { low, high } => Shape::Uniform {
                 low,
                 width: high - low,
-            }),
-            Distribution::Exponential { mean } => Ok(Shape::Exponential { mean }),
+            },
+            Distribution::Exponential { mean } => Shape::Exponential { mean },
             Distribution::Triangular { low, mode, high } => {
-                let wide = (low < high).then(|| rand_distr::Triangular::new(low, high, mode).ok());
-                wide.flatten().map(Shape::Triangular).ok_or(low)
+                let made = rand_distr::Triangular::new(low, high, mode);
+                wide_or(low, low < high, made, Shape::Triangular)
             }
             Distribution::Normal { mean, deviation } => {
-                let wide = (deviation > 0.0).then(|| rand_distr::Normal::new(mean, deviation).ok());
-                wide.flatten().map(Shape::Normal).ok_or(mean)
+                let made = rand_distr::Normal::new(mean, deviation);
+                wide_or(mean, deviation > 0.0, made, Shape::Normal)
             }
             Distribution::Lognormal { mean, deviation } => {
                 let variance = (deviation / mean).powi(2).ln_1p();
                 let location = mean.ln() - variance / 2.0;
-                let wide = (deviation > 0.0)
-                    .then(|| rand_distr::LogNormal::new(location, variance.sqrt()).ok());
-                wide.flatten().map(Shape::Lognormal).ok_or(mean)
+                let made = rand_distr::LogNormal::new(location, variance.sqrt());
+                wide_or(mean, deviation > 0.0, made, Shape::Lognormal)
             }
             Distribution::Erlang { stages, mean } => {
-                gamma(f64::from(stages), mean / f64::from(stages))
+                let made = rand_distr::Gamma::new(f64::from(stages), mean / f64::from(stages));
+                wide_or(0.0, mean > 0.0, made, Shape::Gamma)
             }
-            Distribution::Gamma { shape, scale } => gamma(shape, scale),
+            Distribution::Gamma { shape, scale } => {
+                let made = rand_distr::Gamma::new(shape, scale);
+                wide_or(0.0, scale > 0.0, made, Shape::Gamma)
+            }
             Distribution::Weibull { shape, scale } => {
-                let wide = (scale > 0.0).then(|| rand_distr::Weibull::new(scale, shape).ok());
-                wide.flatten().map(Shape::Weibull).ok_or(0.0)
+                let made = rand_distr::Weibull::new(scale, shape);
+                wide_or(0.0, scale > 0.0, made, Shape::Weibull)
             }
             Distribution::Beta {
                 alpha,
@@ -79,18 +81,16 @@ impl Sampler {
                 low,
                 high,
             } => {
-                let unit = rand_distr::Beta::new(alpha, beta).ok();
-                let wide = unit.filter(|_| low < high).map(|unit| Shape::Beta {
+                let made = rand_distr::Beta::new(alpha, beta);
+                wide_or(low, low < high, made, |unit| Shape::Beta {
                     unit,
                     low,
                     width: high - low,
-                });
-                wide.ok_or(low)
+                })
             }
             Distribution::Pert { low, mode, high } => {
-                let wide =
-                    (low < high).then(|| rand_distr::Pert::new(low, high).with_mode(mode).ok());
-                wide.flatten().map(Shape::Pert).ok_or(low)
+                let made = rand_distr::Pert::new(low, high).with_mode(mode);
+                wide_or(low, low < high, made, Shape::Pert)
             }
             Distribution::Discrete(ref outcomes) => {
                 let mut total = 0.0;
@@ -98,13 +98,10 @@ impl Sampler {
                     total += probability;
                     (value, total)
                 });
-                Ok(Shape::Discrete(sums.collect()))
+                Shape::Discrete(sums.collect())
             }
         };
-        Self {
-            shape: shape.unwrap_or_else(Shape::Constant),
-            stream,
-        }
+        Self { shape, stream }
     }
 
     /// Draws a duration in seconds: from 0 to [`MAX_SECONDS`].
@@ -139,7 +136,16 @@ impl Sampler {
     }
 }
 
-fn gamma(shape: f64, scale: f64) -> Result<Shape, f64> {
-    let wide = (scale > 0.0).then(|| rand_distr::Gamma::new(shape, scale).ok());
-    wide.flatten().map(Shape::Gamma).ok_or(0.0)
+/// The shape of a distribution, or this constant if the distribution has no width. Then its
+/// constructor may fail; that of a valid distribution with a width does not.
+fn wide_or<T, E>(
+    constant: f64,
+    is_wide: bool,
+    made: Result<T, E>,
+    shape: impl FnOnce(T) -> Shape,
+) -> Shape {
+    match made {
+        Ok(made) if is_wide => shape(made),
+        _ => Shape::Constant(constant),
+    }
 }

@@ -95,15 +95,8 @@ impl World {
     pub fn plant(&self, line: &Line, options: Options) -> Option<Plant> {
         let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
         for (at, node) in line.nodes.iter().enumerate() {
-            let machine = match &node.kind {
-                NodeKind::Station(station) => match &station.machine {
-                    Some(machine) => machine,
-                    None => continue,
-                },
-                NodeKind::Conveyor {
-                    belt: Some(belt), ..
-                } => &belt.machine,
-                _ => continue,
+            let Some(machine) = node.machine() else {
+                continue;
             };
             let own = self
                 .controllers

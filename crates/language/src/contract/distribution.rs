@@ -93,6 +93,13 @@ pub enum Distribution {
     Discrete(Vec<(f64, f64)>),
 }
 
+/// No time.
+impl Default for Distribution {
+    fn default() -> Self {
+        Self::Constant(0.0)
+    }
+}
+
 impl Distribution {
     /// Whether every draw is 0.
     pub fn is_zero(&self) -> bool {
@@ -108,7 +115,7 @@ impl Distribution {
     }
 
     /// The least upper bound of the draws, in seconds; [`MAX_SECONDS`] if they are unbounded.
-    pub fn greatest(&self) -> f64 {
+    fn greatest(&self) -> f64 {
         let unbounded = |scale: f64| if scale > 0.0 { MAX_SECONDS } else { 0.0 };
         match *self {
             Self::Constant(value) => value,

@@ -134,6 +134,17 @@ pub struct Node {
     pub span: Span,
 }
 
+impl Node {
+    /// Returns the machine that controls the place: that of a station or a conveyor, if it has one.
+    pub fn machine(&self) -> Option<&Arc<Machine>> {
+        match &self.kind {
+            NodeKind::Station(station) => station.machine.as_ref(),
+            NodeKind::Conveyor { belt, .. } => belt.as_ref().map(|belt| &belt.machine),
+            _ => None,
+        }
+    }
+}
+
 /// Kind of a place in the line.
 #[derive(Debug, Clone)]
 pub enum NodeKind {
@@ -280,7 +291,7 @@ impl Line {
 }
 
 /// A station: it works on one part at a time.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Station {
     /// Machine of the station. `None` for a station that is given by its times: it has no
     /// controller, and its work takes as long as [`Task::time`] says.

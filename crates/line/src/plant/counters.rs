@@ -59,6 +59,19 @@ impl Counters {
         }
     }
 
+    /// Forgets what has been counted, but not which parts are in the line. `seed` seeds the sample
+    /// of lead times.
+    pub(super) fn forget(&mut self, now: f64, seed: u64) {
+        self.units.forget(now);
+        *self = Self {
+            before: self.units.level(),
+            units: self.units.clone(),
+            in_line: std::mem::take(&mut self.in_line),
+            observations: self.observations.take(),
+            ..Self::new(self.rejects.len(), seed)
+        };
+    }
+
     /// Counts a part that comes into the line.
     pub(super) fn unit_enters(&mut self, now: f64) {
         self.entered += 1;

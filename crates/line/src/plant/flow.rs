@@ -360,9 +360,7 @@ impl Run<'_> {
                 .count_product(self.now, self.parts[part].entered_at, stored);
             self.progress
                 .count_product(self.events, self.journal.violation_count);
-            // Products of the warm-up do not count.
-            let counts = self.counting_since.is_some() || self.setup.options.warm_up <= 0.0;
-            if counts && self.setup.target == Some(self.counters.products) {
+            if self.is_counting() && self.setup.target == Some(self.counters.products) {
                 self.end = Some(End::Products);
             }
         }

@@ -248,12 +248,17 @@ impl Plant {
 
     /// Runs the line from its start with this seed.
     pub fn run_seeded(&mut self, seed: u64) -> Trace {
+        let mut run = self.begin(seed);
+        let end = run.advance();
+        run.finish(end)
+    }
+
+    /// Prepares a run from the start of the line with this seed.
+    fn begin(&mut self, seed: u64) -> Run<'_> {
         for controller in self.controllers.iter_mut().flatten() {
             controller.reset();
         }
-        let mut run = Run::new(&self.setup, &mut self.controllers, seed);
-        let end = run.advance();
-        run.finish(end)
+        Run::new(&self.setup, &mut self.controllers, seed)
     }
 
     /// Why no further run begins; `None` if the wall-clock deadline has not passed.

@@ -3,7 +3,7 @@
 
 use super::{Place, Plant, Run};
 use crate::mser::mser5;
-use crate::statistics::LeadTimes;
+use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{NodeKind, Supply};
 
@@ -13,15 +13,16 @@ impl Plant {
     /// between them, and the later cut is taken. Returns the warm-up in seconds.
     ///
     /// # Errors
-    /// Returns `LW404` if the pilot run is too short.
+    /// Returns `LW404` if the pilot run is too short, and `LW204` if the deadline cut it off.
     pub fn find_warm_up(&mut self) -> Result<f64, Box<Diagnostic>> {
         self.setup.options.warm_up = 0.0;
-        for controller in self.controllers.iter_mut().flatten() {
-            controller.reset();
-        }
-        let mut run = Run::new(&self.setup, &mut self.controllers, self.setup.options.seed);
+        let mut run = self.begin(self.setup.options.seed);
         run.counters.observations = Some(Vec::new());
-        run.advance();
+        if run.advance() == End::GaveUp
+            && let Some(late) = run.journal.findings.pop()
+        {
+            return Err(Box::new(late));
+        }
         let observations = run.counters.observations.take().unwrap_or_default();
         let lead_times: Vec<f64> = observations.iter().map(|(_, lead)| *lead).collect();
         let mut last = 0.0;
@@ -78,20 +79,7 @@ impl Run<'_> {
                 Place::Source(_) | Place::Sink | Place::Store(_) => {}
             }
         }
-        let counters = &mut self.counters;
-        counters.products = 0;
-        counters.stored = 0;
-        counters.makespan = 0.0;
-        counters.lead_times = LeadTimes::new(self.seed);
-        counters.entered = 0;
-        counters.finished = 0;
-        counters.consumed = 0;
-        counters.before = counters.units.level();
-        counters.units.forget(now);
-        counters.unit_seconds = 0.0;
-        for reject in &mut counters.rejects {
-            *reject = (0, 0);
-        }
+        self.counters.forget(now, self.seed);
         let Some(target) = self.setup.target else {
             return;
         };
@@ -113,7 +101,7 @@ impl Run<'_> {
 
     /// Reports that a run ended during its warm-up, so that nothing was counted.
     pub(super) fn report_short_run(&mut self) {
-        if self.setup.options.warm_up <= 0.0 || self.counting_since.is_some() {
+        if self.is_counting() {
             return;
         }
         self.end_warm_up();
@@ -126,6 +114,11 @@ impl Run<'_> {
             Diagnostic::warning(codes::LINE_LIMIT, self.line.span, message)
                 .with_help("Let it run longer, or shorten the warm-up."),
         );
+    }
+
+    /// Whether the warm-up is over, or there is none.
+    pub(super) fn is_counting(&self) -> bool {
+        self.counting_since.is_some() || self.setup.options.warm_up <= 0.0
     }
 
     /// Time from which on was counted: the end of the warm-up, or 0.

@@ -6,7 +6,7 @@ use crate::contract::elaborate::nearest;
 use crate::contract::instantiate;
 use crate::contract::line::{Belt, NodeKind, Supply};
 use crate::contract::machine::{Machine, RealExpr};
-use crate::contract::machines::{duration, machine, non_negative};
+use crate::contract::machines::{duration, machine, non_negative, random_duration};
 use crate::contract::scope::duplicate_statement;
 use crate::contract::value::{Dimension, Value};
 use crate::contract::{MAX_SECONDS, MIN_SECONDS, is_duration};
@@ -150,19 +150,18 @@ impl<'a> Builder<'a, '_> {
     /// Resolves the time between two parts of a source. `random` means that it is exponentially
     /// distributed with this mean.
     fn interval(&mut self, written: &'a ast::TimeValue, random: bool) -> Option<Distribution> {
-        let interval = duration(&mut self.e, written)?;
-        match interval {
-            Distribution::Constant(mean) if random => Some(Distribution::Exponential { mean }),
-            _ if random => {
+        match written {
+            ast::TimeValue::Value(_) if random => random_duration(&mut self.e, written),
+            ast::TimeValue::Drawn { span, .. } if random => {
                 self.e.findings.error_with(
                     codes::ARGUMENT,
-                    written.span(),
+                    *span,
                     "`random` is followed by the mean of an exponential distribution",
                     "remove `random`, since a distribution is given",
                 );
                 None
             }
-            interval => Some(interval),
+            _ => duration(&mut self.e, written),
         }
     }
 

@@ -1,7 +1,6 @@
 //! Resolution of stations: their work, the values that they set, and their defects.
 
 use super::Builder;
-use crate::contract::distribution::Distribution;
 use crate::contract::elaborate::nearest;
 use crate::contract::line::{Defect, Line, NodeKind, Setting, Station, Task};
 use crate::contract::machine::{Machine, PropertyKind};
@@ -28,16 +27,7 @@ impl<'a> Builder<'a, '_> {
             None => None,
             Some((machine, arguments)) => Some((machine.span, self.machine(machine, arguments)?)),
         };
-        let mut station = Station {
-            machine: None,
-            tasks: Vec::new(),
-            settings: Vec::new(),
-            defects: Vec::new(),
-            setup: Distribution::Constant(0.0),
-            failures: Vec::new(),
-            watts: 0.0,
-            idle_watts: 0.0,
-        };
+        let mut station = Station::default();
         self.report_repeated(items);
         let mut modes: Vec<&'a ast::Failures> = Vec::new();
         // By part type: the properties that are set.
@@ -227,10 +217,6 @@ impl<'a> Builder<'a, '_> {
                 let mut routes = model.routes.iter();
                 routes.any(|route| route.from == node && route.part == part)
             };
-            let comes = |part: usize| {
-                let mut routes = model.routes.iter();
-                routes.any(|route| route.to == node && route.part == part)
-            };
             let NodeKind::Station(station) = &model.nodes[node].kind else {
                 continue;
             };
@@ -244,6 +230,7 @@ impl<'a> Builder<'a, '_> {
                 let mut bills = parts.iter().map(|p| &self.parts[*p].model.bill);
                 bills.any(|bill| bill.iter().any(|(component, _)| *component == part))
             };
+            let comes = |part: usize| model.is_brought(node, part);
             let kept = all.filter(|p| comes(*p) && !parts.contains(p) && !is_joined(*p));
             let kept: Vec<usize> = kept.collect();
             parts.extend(kept);
@@ -296,15 +283,14 @@ impl<'a> Builder<'a, '_> {
             }));
         }
         if !is_known {
-            let of = part.map_or_else(|| "no part".to_owned(), |part| format!("`{}`", part.text));
-            let (of, has) = match part {
-                Some(_) => (of, "has no"),
-                None => (of, "has a"),
+            let who = match part {
+                Some(part) => format!("`{}` has no", part.text),
+                None => "no part has a".to_owned(),
             };
             self.e.findings.error_with(
                 codes::PROPERTY,
                 property.span,
-                format!("{of} {has} property `{}`", property.text),
+                format!("{who} property `{}`", property.text),
                 "declare it: `part P { property v: ... }`",
             );
         }

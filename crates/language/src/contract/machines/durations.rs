@@ -65,7 +65,10 @@ pub(in crate::contract) fn duration<'a>(
 }
 
 /// Resolves a duration whose bare value is the mean of an exponential distribution.
-fn random_duration<'a>(e: &mut Elaborator<'a>, written: &'a TimeValue) -> Option<Distribution> {
+pub(in crate::contract) fn random_duration<'a>(
+    e: &mut Elaborator<'a>,
+    written: &'a TimeValue,
+) -> Option<Distribution> {
     match written {
         TimeValue::Value(value) => single(e, value).map(|mean| Distribution::Exponential { mean }),
         TimeValue::Drawn { .. } => duration(e, written),
@@ -172,7 +175,6 @@ fn drawn<'a>(
         });
     }
     let numbers: Vec<f64> = numbers.into_iter().collect::<Option<_>>()?;
-    let in_order = |numbers: &[f64]| numbers.is_sorted();
     let distribution = match (word, numbers.as_slice()) {
         ("constant", &[value]) => Distribution::Constant(value),
         ("exponential", &[mean]) => Distribution::Exponential { mean },
@@ -198,7 +200,7 @@ fn drawn<'a>(
         | Distribution::Beta { .. } => &numbers[shapes..],
         _ => &[],
     };
-    if !in_order(bounds) {
+    if !bounds.is_sorted() {
         e.findings.error_with(
             codes::ARGUMENT,
             span,

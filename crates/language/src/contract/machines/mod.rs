@@ -13,7 +13,7 @@ mod properties;
 mod same_step;
 mod settings;
 
-pub(super) use durations::{duration, failures};
+pub(super) use durations::{duration, failures, random_duration};
 pub(super) use properties::{
     PropertyType, assigned, declare_property, element_names, property_type, property_values,
 };
