@@ -2,6 +2,7 @@
 
 mod attack;
 mod calls;
+mod choices;
 mod distributions;
 mod models;
 #[path = "../algebra/discharge/mutants.rs"]

@@ -2,8 +2,8 @@
 
 use linewright::contract::distribution::Distribution;
 use linewright::contract::line::{
-    Belt, InitialValue, Limit, Line, Node, NodeKind, PartProperty, PartType, Requirement, Route,
-    Shift, Station, Supply, Task,
+    Belt, BufferOrder, Choice, InitialValue, Limit, Line, Node, NodeKind, PartProperty, PartType,
+    Requirement, Route, Shift, Station, Supply, Task,
 };
 use linewright::contract::load;
 use linewright::contract::machine::{
@@ -48,6 +48,7 @@ impl Builder {
                 parts,
                 nodes: Vec::new(),
                 routes: Vec::new(),
+                choices: Vec::new(),
                 requirements: Vec::new(),
                 limit: None,
                 shift: None,
@@ -140,7 +141,13 @@ impl Builder {
     }
 
     pub fn buffer(&mut self, name: &str, capacity: u32) -> &mut Self {
-        self.add(name, NodeKind::Buffer { capacity });
+        self.add(
+            name,
+            NodeKind::Buffer {
+                capacity,
+                order: BufferOrder::FirstIn,
+            },
+        );
         self
     }
 
@@ -263,9 +270,27 @@ impl Builder {
             from: self.node(from),
             to: self.node(to),
             condition,
+            choice: None,
             span: span(),
         };
         self.line.routes.push(route);
+        self
+    }
+
+    /// Routes of one part type from a node to several, of which each part takes one.
+    pub fn route_choice(
+        &mut self,
+        part: &str,
+        from: &str,
+        to: &[&str],
+        choice: Choice,
+    ) -> &mut Self {
+        let index = self.line.choices.len();
+        self.line.choices.push(choice);
+        for to in to {
+            self.route_if(part, from, to, None);
+            self.line.routes.last_mut().unwrap().choice = Some(index);
+        }
         self
     }
 

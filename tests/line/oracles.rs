@@ -76,6 +76,68 @@ fn two_machines(first: f64, second: f64, buffer: i32) -> f64 {
     second * x * (1.0 - x.powi(n)) / (1.0 - x.powi(n + 1))
 }
 
+/// Probability that all of `servers` servers are busy if `load` of them are on average and nobody
+/// waits (Erlang's loss formula).
+fn erlang_b(servers: u32, load: f64) -> f64 {
+    (1..=servers).fold(1.0, |lost, n| load * lost / (f64::from(n) + load * lost))
+}
+
+/// Probability that an arriving part has to wait for one of `servers` servers.
+fn erlang_c(servers: u32, load: f64) -> f64 {
+    let lost = erlang_b(servers, load);
+    let used = load / f64::from(servers);
+    lost / (1.0 - used * (1.0 - lost))
+}
+
+/// Two types with exponential work of 1 s, of which A has priority.
+fn priorities(product: &str) -> String {
+    format!(
+        "line L {{
+            part A {{ property urgency: 0..1 = 1 }} part B {{ property urgency: 0..1 = 0 }}
+            product {product}
+            source a: A every exponential(1 s / 0.3) source b: B every exponential(1 s / 0.4)
+            buffer queue capacity 4000 highest urgency first
+            station server {{ takes exponential(1 s) }}
+            sink out
+            route A: a -> queue -> server -> out
+            route B: b -> queue -> server -> out
+        }}"
+    )
+}
+
+/// Mean sojourn of parts that join the shorter of two queues, each before a server with rate 1:
+/// the stationary distribution of a Markov chain with the numbers of parts as its state, by
+/// iteration of the uniformized chain.
+fn shortest_queue(arrivals: f64) -> f64 {
+    const SIZE: usize = 50;
+    let total = arrivals + 2.0;
+    let mut state = vec![0.0; SIZE * SIZE];
+    state[0] = 1.0;
+    for _ in 0..12_000 {
+        let mut next = vec![0.0; SIZE * SIZE];
+        for i in 0..SIZE {
+            for j in 0..SIZE {
+                let here = state[i * SIZE + j] / total;
+                let first = i.saturating_sub(1) <= j.saturating_sub(1);
+                let (to_i, to_j) = if first { (i + 1, j) } else { (i, j + 1) };
+                next[to_i.min(SIZE - 1) * SIZE + to_j.min(SIZE - 1)] += here * arrivals;
+                next[i.saturating_sub(1) * SIZE + j] += here;
+                next[i * SIZE + j.saturating_sub(1)] += here;
+            }
+        }
+        state = next;
+    }
+    let parts = state.iter().enumerate();
+    let mean: f64 = parts
+        .map(|(at, p)| (at / SIZE + at % SIZE) as f64 * p)
+        .sum();
+    mean / arrivals
+}
+
+fn lost(trace: &Trace) -> f64 {
+    trace.parts.rejected as f64 / (trace.parts.rejected + trace.products) as f64
+}
+
 #[test]
 fn known_results_are_reproduced() {
     let cases = [
@@ -146,6 +208,73 @@ fn known_results_are_reproduced() {
             parts: 60_000,
             measure: per_second,
             theory: 1.0 - 0.2 * 0.8_f64.powi(8) / (1.0 - 0.8_f64.powi(9)),
+        },
+        Case {
+            // What finds no room is lost, so K is the server and the queue.
+            name: "M/M/1/4 with loss",
+            text: line(
+                "source rack: P every exponential(1 s) buffer queue capacity 3
+                 station server { takes exponential(0.9 s) } sink lost rejects
+                 route P: rack -> queue, lost",
+                "queue -> server",
+            ),
+            parts: 60_000,
+            measure: lost,
+            theory: 0.1 * 0.9_f64.powi(4) / (1.0 - 0.9_f64.powi(5)),
+        },
+        Case {
+            name: "M/M/3",
+            text: queue("exponential(1 s)", 4000, "takes exponential(2.4 s)")
+                .replace("station server", "station server times 3"),
+            parts: 60_000,
+            measure: sojourn,
+            theory: 2.4 + erlang_c(3, 2.4) / (3.0 / 2.4 - 1.0),
+        },
+        Case {
+            // The loss does not depend on the distribution of the work.
+            name: "M/G/2/2 with loss",
+            text: line(
+                "source rack: P every exponential(1 s)
+                 station server times 2 { takes lognormal(1.5 s, 2 s) } sink lost rejects
+                 route P: rack -> server, lost",
+                "server",
+            ),
+            parts: 60_000,
+            measure: lost,
+            theory: erlang_b(2, 1.5),
+        },
+        Case {
+            // Cobham 1954: the mean wait of the first class is R / (1 - r1), with the mean rest of
+            // the work in progress R = (l1 + l2) E[S^2] / 2.
+            name: "M/M/1 with priorities, first class",
+            text: priorities("A"),
+            parts: 40_000,
+            measure: sojourn,
+            theory: 1.0 + 0.7 / 0.7,
+        },
+        Case {
+            name: "M/M/1 with priorities, second class",
+            text: priorities("B"),
+            parts: 40_000,
+            measure: sojourn,
+            theory: 1.0 + 0.7 / (0.7 * 0.3),
+        },
+        Case {
+            // By a truncated Markov chain. Parts in work do not count as queueing.
+            name: "two queues, the shorter one is joined",
+            text: "line L {
+                part P source rack: P every exponential(0.6 s)
+                station x { takes exponential(1 s) } station y { takes exponential(1 s) }
+                buffer p capacity 400 buffer q capacity 400
+                sink out
+                route P: rack -> p, q shortest queue
+                route P: p -> x -> out
+                route P: q -> y -> out
+            }"
+            .to_owned(),
+            parts: 60_000,
+            measure: sojourn,
+            theory: shortest_queue(1.0 / 0.6),
         },
         Case {
             name: "two exponential machines",

@@ -26,11 +26,13 @@ fn value(metric: &Metric, trace: &Trace) -> f64 {
         Metric::Rejected => trace.parts.rejected as f64,
         Metric::Products => trace.products as f64,
         Metric::Violations => trace.violation_count as f64,
-        Metric::Busy(node) => trace
-            .stations
-            .iter()
-            .find(|station| station.node == *node)
-            .map_or(0.0, |station| station.shares.busy),
+        Metric::Busy(nodes) => {
+            let stations = trace.stations.iter();
+            let busy = stations
+                .filter(|station| nodes.contains(&station.node))
+                .map(|station| station.shares.busy);
+            busy.sum::<f64>() / nodes.len().max(1) as f64
+        }
     }
 }
 
@@ -205,10 +207,7 @@ pub fn describe(metric: &Metric, line: &Line) -> String {
         Metric::Rejected => "the number of rejected parts".to_owned(),
         Metric::Products => "the number of products".to_owned(),
         Metric::Violations => "the number of contract violations".to_owned(),
-        Metric::Busy(node) => format!(
-            "the busy share of {}",
-            line.nodes.get(*node).map_or("a station", |n| &n.name)
-        ),
+        Metric::Busy(nodes) => format!("the busy share of {}", line.names_of(nodes)),
     }
 }
 

@@ -29,6 +29,8 @@ pub enum Purpose {
     Repairs,
     /// Setups of a station.
     Setup,
+    /// Choices between routes.
+    Routes,
 }
 
 /// A sequence of random numbers.

@@ -8,7 +8,9 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::contract::distribution::Distribution;
 use linewright_language::contract::is_duration;
-use linewright_language::contract::line::{Belt, InitialValue, Line, Node, NodeKind, Supply, Task};
+use linewright_language::contract::line::{
+    Belt, BufferOrder, Choice, InitialValue, Line, Node, NodeKind, Route, Supply, Task,
+};
 use linewright_language::contract::machine::{Between, Machine, RealExpr};
 
 /// Returns everything that prevents the runner from running this line. `has_controller` states
@@ -208,10 +210,21 @@ impl Check<'_> {
                     });
                 }
             }
-            NodeKind::Buffer { capacity } => {
+            NodeKind::Buffer { capacity, order } => {
                 self.require(*capacity > 0, node.span, || {
                     format!("the capacity of {name} is 0")
                 });
+                if let BufferOrder::Property { of, .. } = order {
+                    let exists = |(part, property): (usize, &Option<usize>)| {
+                        let known = self.line.parts.get(part).map_or(0, |p| p.properties.len());
+                        property.is_none_or(|property| property < known)
+                    };
+                    let sound =
+                        of.len() == self.line.parts.len() && of.iter().enumerate().all(exists);
+                    self.require(sound, node.span, || {
+                        format!("the order of {name} reads a property that does not exist")
+                    });
+                }
             }
         }
     }
@@ -242,7 +255,22 @@ impl Check<'_> {
 
     fn routes(&mut self) {
         let line = self.line;
-        for route in &line.routes {
+        for (index, route) in line.routes.iter().enumerate() {
+            if let Some(choice) = route.choice {
+                let first = line.first_of_way(index);
+                let count = line.end_of_way(index) - first;
+                let alike = |r: &Route| (r.from, r.part) == (route.from, route.part);
+                let sound = match line.choices.get(choice) {
+                    None => false,
+                    Some(Choice::Probability { shares }) => shares.len() == count,
+                    Some(_) => true,
+                };
+                self.require(
+                    sound && line.routes[first..first + count].iter().all(alike),
+                    route.span,
+                    || "the routes of a choice do not belong together".to_owned(),
+                );
+            }
             let part = line.parts.get(route.part);
             let from = line.nodes.get(route.from);
             let to = line.nodes.get(route.to);

@@ -375,10 +375,7 @@ fn metric(metric: &Metric, line: &Line) -> String {
         Metric::Rejected => "rejected parts".to_owned(),
         Metric::Products => "products".to_owned(),
         Metric::Violations => "violations".to_owned(),
-        Metric::Busy(node) => format!(
-            "busy share of {}",
-            line.nodes.get(*node).map_or("?", |n| &n.name)
-        ),
+        Metric::Busy(nodes) => format!("busy share of {}", line.names_of(nodes)),
     }
 }
 

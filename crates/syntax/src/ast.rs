@@ -1,8 +1,10 @@
 //! Syntax trees of the text as written, with places in the file and without name lookup.
 
+mod flow;
 mod skills;
 mod time;
 
+pub use flow::{BufferOrder, Copies, Stop, StopChoice};
 pub use skills::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, Situation, Skill, SkillCalls,
     SkillComponent, SkillItem, SkillSet, Times,
@@ -762,6 +764,8 @@ pub enum LineItem {
         name: Name,
         /// Capacity in parts.
         capacity: u64,
+        /// Which part leaves first, if it is not the one that came first.
+        order: Option<BufferOrder>,
     },
     /// `conveyor ...`
     Conveyor {
@@ -778,6 +782,8 @@ pub enum LineItem {
         name: Name,
         /// Machine with arguments; `None` for a station that is given by its times.
         machine: Option<(Name, Vec<Argument>)>,
+        /// Number of such stations, if given.
+        times: Option<Copies>,
         /// Items within the braces.
         items: Vec<StationItem>,
     },
@@ -785,8 +791,8 @@ pub enum LineItem {
     Route {
         /// Part type.
         part: Name,
-        /// Places along the route, in order.
-        stops: Vec<Name>,
+        /// Stops along the route, in order.
+        stops: Vec<Stop>,
         /// Condition under which a part takes the route, if any.
         when: Option<Expr>,
     },

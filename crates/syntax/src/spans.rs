@@ -4,9 +4,10 @@
 mod skills;
 
 use super::ast::{
-    Argument, Between, Component, ConstDecl, Contract, ContractItem, Counter, Define, Domain,
-    DomainKind, Expr, ExprKind, Failures, File, Header, Item, Line, LineItem, Machine, MachineItem,
-    Name, OperationCall, PartCount, Scope, StationItem, Supply, TimeValue, TypeDecl, TypedDecl,
+    Argument, Between, BufferOrder, Component, ConstDecl, Contract, ContractItem, Counter, Define,
+    Domain, DomainKind, Expr, ExprKind, Failures, File, Header, Item, Line, LineItem, Machine,
+    MachineItem, Name, OperationCall, PartCount, Scope, StationItem, Stop, StopChoice, Supply,
+    TimeValue, TypeDecl, TypedDecl,
 };
 use linewright_core::source::Span;
 
@@ -207,7 +208,13 @@ fn line(l: &mut Line) {
                 counted(bill);
                 properties.iter_mut().for_each(typed);
             }
-            LineItem::Product(n) | LineItem::Buffer { name: n, .. } => name(n),
+            LineItem::Product(n) => name(n),
+            LineItem::Buffer { name: n, order, .. } => {
+                name(n);
+                if let Some(BufferOrder::Highest(p) | BufferOrder::Lowest(p)) = order {
+                    name(p);
+                }
+            }
             LineItem::Source {
                 name: n,
                 part,
@@ -247,9 +254,13 @@ fn line(l: &mut Line) {
             LineItem::Station {
                 name: n,
                 machine,
+                times,
                 items,
             } => {
                 name(n);
+                if let Some(times) = times {
+                    times.span = Span::default();
+                }
                 if let Some((machine, list)) = machine {
                     name(machine);
                     arguments(list);
@@ -258,7 +269,7 @@ fn line(l: &mut Line) {
             }
             LineItem::Route { part, stops, when } => {
                 name(part);
-                names(stops);
+                stops.iter_mut().for_each(stop);
                 exprs(when);
             }
             LineItem::Requirement {
@@ -279,6 +290,14 @@ fn line(l: &mut Line) {
             LineItem::Const(c) => const_decl(c),
         }
     }
+}
+
+fn stop(stop: &mut Stop) {
+    names(&mut stop.places);
+    if let Some(StopChoice::Probability(shares)) = &mut stop.choice {
+        exprs(shares);
+    }
+    stop.span = Span::default();
 }
 
 fn station(item: &mut StationItem) {

@@ -509,6 +509,11 @@ impl<'n> Choices<'n> {
             5 => LineItem::Buffer {
                 name: place,
                 capacity: self.count(),
+                order: self.option(|c| match c.pick(3) {
+                    0 => BufferOrder::LastIn,
+                    1 => BufferOrder::Highest(c.plain()),
+                    _ => BufferOrder::Lowest(c.plain()),
+                }),
             },
             6 => LineItem::Conveyor {
                 name: place,
@@ -521,11 +526,24 @@ impl<'n> Choices<'n> {
             7 => LineItem::Station {
                 name: place,
                 machine: self.option(|c| (c.dotted(), c.arguments(0))),
+                times: self.option(|c| Copies {
+                    count: c.count(),
+                    span: Span::default(),
+                }),
                 items: self.list(0, 3, Self::station_item),
             },
             8 => LineItem::Route {
                 part: place,
-                stops: self.list(2, 4, Self::plain),
+                stops: self.list(2, 4, |c| Stop {
+                    places: c.list(1, 4, Self::plain),
+                    choice: c.option(|c| match c.pick(4) {
+                        0 => StopChoice::FirstFree,
+                        1 => StopChoice::ShortestQueue,
+                        2 => StopChoice::RoundRobin,
+                        _ => StopChoice::Probability(c.list(1, 3, Self::expr)),
+                    }),
+                    span: Span::default(),
+                }),
                 when: self.option(Self::expr),
             },
             9 => {

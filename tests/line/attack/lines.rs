@@ -232,7 +232,8 @@ impl Draft {
                 } else {
                     String::new()
                 };
-                let head = format!("station {name}: {}{arguments}", model.name);
+                let times = if chance.percent(10) { " times 2" } else { "" };
+                let head = format!("station {name}: {}{arguments}{times}", model.name);
                 let mut inside = Vec::new();
                 if chance.percent(10) {
                     inside.push("setup 5 s".to_owned());
@@ -243,6 +244,8 @@ impl Draft {
                             .pick(&[
                                 "failures mtbf 100 s mttr 20 s",
                                 "failures mtbf 20 s mttr 50 s",
+                                "failures mtbf 60 s mttr 30 s by calendar",
+                                "failures every 3 parts mttr 40 s",
                             ])
                             .to_owned(),
                     );
@@ -251,7 +254,8 @@ impl Draft {
             }
             6 | 7 => {
                 let name = format!("b{at}");
-                let head = format!("buffer {name} capacity {}", 1 + chance.below(3));
+                let order = if chance.percent(10) { " lifo" } else { "" };
+                let head = format!("buffer {name} capacity {}{order}", 1 + chance.below(3));
                 (name, head, None)
             }
             8 => {
@@ -350,6 +354,30 @@ impl Draft {
         }
         for at in 0..names.len() - 1 {
             let (here, next) = (&names[at], &names[at + 1]);
+            if chance.percent(12) && next != "k" {
+                // One of two places: the next one, and a sink or another one on the way.
+                let other = match chance.below(4) {
+                    0 => "k".to_owned(),
+                    1 => {
+                        let sink = format!("bad{}", self.sinks.len());
+                        self.sinks.push(format!("sink {sink} rejects"));
+                        sink
+                    }
+                    _ => names[1 + chance.below(names.len() - 1)].clone(),
+                };
+                let rule = chance.pick(&[
+                    "",
+                    " first free",
+                    " shortest queue",
+                    " round robin",
+                    " by probability 40 %",
+                ]);
+                if other != *next && !self.is_only_joined(&other, part, to) {
+                    self.routes
+                        .push(format!("route {part}: {here} -> {next}, {other}{rule}"));
+                    continue;
+                }
+            }
             let branches = at > 0 && here.starts_with("st") && chance.percent(30);
             if !branches {
                 self.routes.push(format!("route {part}: {here} -> {next}"));
@@ -388,6 +416,11 @@ impl Draft {
             self.routes
                 .push(format!("route {part}: {here} -> {next}{rest}"));
         }
+    }
+
+    /// Whether a place is the station to which all parts of a type go to be joined.
+    fn is_only_joined(&self, name: &str, part: &str, to: Option<usize>) -> bool {
+        part != "J" && to.is_some_and(|to| self.places[to].name == name)
     }
 
     /// Whether parts are joined at a place that other types do not pass.

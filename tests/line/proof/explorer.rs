@@ -2,11 +2,11 @@
 //! `crates/line/src/lib.rs`: moving takes no time, everything else takes some. It shares nothing
 //! with the abstraction but the line itself.
 
-use linewright::contract::line::{Line, NodeKind, Supply};
+use linewright::contract::line::{Choice, Line, NodeKind, Route, Supply};
 use std::collections::{BTreeSet, HashSet, VecDeque};
 
-/// A part that waits at an outlet, by its type, and its destination.
-type Offer = (usize, usize);
+/// A part that waits at an outlet, by its type, and the destinations to one of which it goes.
+type Offer = (usize, Vec<usize>);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Holds {
@@ -136,26 +136,40 @@ impl<'a> Explorer<'a> {
         }
     }
 
-    /// Where a part may go: any of the routes up to the first one without a condition.
-    fn ways(&self, node: usize, part: usize) -> BTreeSet<usize> {
-        let mut found = BTreeSet::new();
-        for route in self
-            .line
-            .routes
-            .iter()
-            .filter(|r| r.from == node && r.part == part)
-        {
-            found.insert(route.to);
-            if route.condition.is_none() {
+    /// Where a part may go: by any of the routes up to the first one without a condition. Of the
+    /// places of a choice, it goes to whichever is free, or to one that is determined before.
+    fn ways(&self, node: usize, part: usize) -> Vec<Vec<usize>> {
+        let mut found: Vec<Vec<usize>> = Vec::new();
+        let routes = &self.line.routes;
+        for (at, route) in routes.iter().enumerate() {
+            if (route.from, route.part) != (node, part) {
+                continue;
+            }
+            let alike = |r: &&Route| r.choice == route.choice;
+            let any = route.choice.map(|c| &self.line.choices[c]);
+            match any {
+                Some(Choice::FirstFree | Choice::ShortestQueue) => {
+                    if at == 0 || routes[at - 1].choice != route.choice {
+                        let way = routes[at..].iter().take_while(alike);
+                        found.push(way.map(|r| r.to).collect());
+                    }
+                }
+                _ => found.push(vec![route.to]),
+            }
+            let last =
+                route.choice.is_none() || !routes[at + 1..].iter().take(1).any(|r| alike(&r));
+            if route.condition.is_none() && last {
                 break;
             }
         }
+        found.sort();
+        found.dedup();
         found
     }
 
     fn room(&self, state: &State, node: usize, part: usize) -> bool {
         match (&self.line.nodes[node].kind, &state.holds[node]) {
-            (NodeKind::Buffer { capacity }, Holds::Queue { parts, .. }) => {
+            (NodeKind::Buffer { capacity, .. }, Holds::Queue { parts, .. }) => {
                 parts.len() < *capacity as usize
             }
             (NodeKind::Conveyor { places, .. }, Holds::Queue { parts, open }) => {
@@ -188,13 +202,50 @@ impl<'a> Explorer<'a> {
 
     fn offer(&self, state: &State, outlet: usize, part: usize) -> Vec<State> {
         let ways = self.ways(self.outlets[outlet].0, part);
-        let with = |to: usize| {
+        let mut found = Vec::new();
+        for way in ways {
             let mut next = state.clone();
-            next.offers[outlet] = Some((part, to));
-            next.waiting[to].push(Waits::Outlet(outlet));
-            next
-        };
-        ways.into_iter().map(with).collect()
+            next.offers[outlet] = Some((part, way.clone()));
+            for to in &way {
+                next.waiting[*to].push(Waits::Outlet(outlet));
+            }
+            // Of several places it goes at once to one that has room for it and nobody else; to the
+            // first of them, unless the shortest queue decides.
+            let own = |to: &&usize| {
+                let first = self.served_next(&next, **to);
+                first.is_some_and(|at| next.waiting[**to][at] == Waits::Outlet(outlet))
+            };
+            let free: Vec<usize> = way.iter().filter(own).copied().collect();
+            if way.len() < 2 || free.is_empty() {
+                found.push(next);
+                continue;
+            }
+            let node = self.outlets[outlet].0;
+            let first_free = self.line.routes.iter().any(|r| {
+                let choice = r.choice.map(|c| &self.line.choices[c]);
+                (r.from, r.part) == (node, part) && choice == Some(&Choice::FirstFree)
+            });
+            let taken = if first_free { &free[..1] } else { &free[..] };
+            for to in taken {
+                let place = next.waiting[*to]
+                    .iter()
+                    .position(|w| *w == Waits::Outlet(outlet));
+                found.push(self.go(&next, *to, place.unwrap()));
+            }
+        }
+        found
+    }
+
+    /// Which of those that wait for a node is served next, as a position in `waiting`: the one of
+    /// the longest wait that there is room for.
+    fn served_next(&self, state: &State, node: usize) -> Option<usize> {
+        let free = matches!(state.holds[node], Holds::Station { free: true, .. });
+        state.waiting[node].iter().position(|waits| match waits {
+            Waits::Outlet(outlet) => state.offers[*outlet]
+                .as_ref()
+                .is_some_and(|(part, _)| self.room(state, node, *part)),
+            Waits::Bill(_) => free,
+        })
     }
 
     /// Events that happen at once.
@@ -227,15 +278,7 @@ impl<'a> Explorer<'a> {
             }
         }
         for node in 0..self.line.nodes.len() {
-            // The longest waiting one that there is room for.
-            let free = matches!(state.holds[node], Holds::Station { free: true, .. });
-            let next = state.waiting[node].iter().position(|waits| match waits {
-                Waits::Outlet(outlet) => {
-                    state.offers[*outlet].is_some_and(|(part, _)| self.room(state, node, part))
-                }
-                Waits::Bill(_) => free,
-            });
-            if let Some(place) = next {
+            if let Some(place) = self.served_next(state, node) {
                 found.push(self.go(state, node, place));
             }
         }
@@ -260,7 +303,10 @@ impl<'a> Explorer<'a> {
             }
             Waits::Outlet(outlet) => outlet,
         };
-        let (part, _) = next.offers[outlet].take().unwrap();
+        let (part, way) = next.offers[outlet].take().unwrap();
+        for to in way {
+            next.waiting[to].retain(|waits| *waits != Waits::Outlet(outlet));
+        }
         match &mut next.holds[self.outlets[outlet].0] {
             Holds::Station { free, .. } => *free = true,
             Holds::Queue { parts, .. } => {
@@ -328,7 +374,7 @@ impl<'a> Explorer<'a> {
                     found.extend(self.offer(&done, outlet, *part));
                 }
                 (NodeKind::Conveyor { .. }, Holds::Queue { parts, open }) => {
-                    if let (Some(part), None) = (parts.first(), state.offers[outlet]) {
+                    if let (Some(part), None) = (parts.first(), &state.offers[outlet]) {
                         found.extend(self.offer(state, outlet, *part));
                     }
                     if !open {
@@ -389,7 +435,7 @@ impl<'a> Explorer<'a> {
         while let Some(state) = open.pop_front() {
             for (node, holds) in state.holds.iter().enumerate() {
                 let room = match self.line.nodes[node].kind {
-                    NodeKind::Conveyor { places: n, .. } | NodeKind::Buffer { capacity: n } => {
+                    NodeKind::Conveyor { places: n, .. } | NodeKind::Buffer { capacity: n, .. } => {
                         n as usize
                     }
                     _ => continue,

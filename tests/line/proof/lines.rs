@@ -1,7 +1,7 @@
 //! Random small lines.
 
 use crate::models::{Builder, Work, every, took};
-use linewright::contract::line::{InitialValue, Line, NodeKind, Supply};
+use linewright::contract::line::{Choice, InitialValue, Line, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::line::random::Stream;
 
@@ -124,7 +124,32 @@ pub fn line(seed: u64) -> Builder {
             builder.route_if(part, &from, &to, Some(RealExpr::Property(0)));
         }
         let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        builder.route(part, &path);
+        for pair in path.windows(2) {
+            let others: Vec<&str> = path[1..]
+                .iter()
+                .copied()
+                .filter(|other| other != &pair[1])
+                .collect();
+            if others.is_empty() || pair[1] == "cell" || stream.below(4) > 0 {
+                builder.route(part, pair);
+                continue;
+            }
+            // One of two places, of which the other is farther ahead or behind.
+            let other = others[stream.below(others.len() as u64) as usize];
+            let mut to = [pair[1], other];
+            if stream.below(2) == 0 && other != "sink" {
+                to.swap(0, 1);
+            }
+            let choice = match stream.below(5) {
+                0 | 1 => Choice::FirstFree,
+                2 => Choice::ShortestQueue,
+                3 => Choice::RoundRobin,
+                _ => Choice::Probability {
+                    shares: vec![0.5, 0.5],
+                },
+            };
+            builder.route_choice(part, pair[0], &to, choice);
+        }
     }
     builder
 }

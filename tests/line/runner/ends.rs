@@ -77,7 +77,7 @@ fn requirements_are_checked() {
     let mut builder = simple();
     for (name, metric, comparison, bound) in [
         ("fast", Metric::ThroughputPerHour, Comparison::Ge, 400.0),
-        ("busy", Metric::Busy(1), Comparison::Eq, 1.0),
+        ("busy", Metric::Busy(1..2), Comparison::Eq, 1.0),
         ("clean", Metric::Rejected, Comparison::Le, 0.0),
         ("frugal", Metric::EnergyKwh, Comparison::Lt, 1.0),
     ] {
@@ -116,7 +116,7 @@ fn the_help_for_a_requirement_fits_its_metric() {
     assert!(pace.contains("The bottleneck of"), "{pace}");
     let energy = help(Metric::EnergyKwh, Comparison::Lt, 0.0);
     assert!(energy.contains("% of the energy of"), "{energy}");
-    let share = help(Metric::Busy(1), Comparison::Lt, 0.0);
+    let share = help(Metric::Busy(1..2), Comparison::Lt, 0.0);
     assert_eq!(share, "Change the line or the requirement.");
 }
 

@@ -44,7 +44,7 @@ fn plant() -> Plant {
         })
         .require(Requirement {
             name: "calm".to_owned(),
-            metric: Metric::Busy(5),
+            metric: Metric::Busy(5..6),
             comparison: Comparison::Lt,
             bound: 0.5,
             span: span(),

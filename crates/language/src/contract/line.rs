@@ -5,6 +5,7 @@ use super::distribution::Distribution;
 use super::machine::{FailureMode, Machine, RealExpr};
 use linewright_core::gr1::describe_domain;
 use linewright_core::source::Span;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A line with all names resolved to indices.
@@ -22,8 +23,10 @@ pub struct Line {
     pub nodes: Vec<Node>,
     /// Routes between places, in order of priority. Of the routes for its type that start at its
     /// place, a part takes the first one whose condition holds. It waits until the place at the end
-    /// of this route has room.
+    /// of this route has room. Successive routes with the same [`Route::choice`] count as one.
     pub routes: Vec<Route>,
+    /// How parts choose between routes; see [`Route::choice`].
+    pub choices: Vec<Choice>,
     /// Requirements that a run has to meet.
     pub requirements: Vec<Requirement>,
     /// End of a run if neither `--parts` nor `--until` is given.
@@ -187,10 +190,30 @@ pub enum NodeKind {
         /// Power drawn while moving, in watts.
         watts: f64,
     },
-    /// Room for parts that wait, first in, first out.
+    /// Room for parts that wait.
     Buffer {
         /// Capacity in parts.
         capacity: u32,
+        /// Which part leaves first.
+        order: BufferOrder,
+    },
+}
+
+/// Which part leaves a buffer first. Of parts that are alike in this, it is the one that came
+/// first.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum BufferOrder {
+    /// The one that came first.
+    #[default]
+    FirstIn,
+    /// The one that came last.
+    LastIn,
+    /// The one with the highest or the lowest value of a property.
+    Property {
+        /// Whether the highest value is first.
+        highest: bool,
+        /// By part type: the index of the property; `None` for types that do not come here.
+        of: Vec<Option<usize>>,
     },
 }
 
@@ -253,6 +276,16 @@ impl Line {
         }
     }
 
+    /// Returns the name of a place, or of several that follow one another: `capper[1] to
+    /// capper[3]`.
+    pub fn names_of(&self, nodes: &Range<usize>) -> String {
+        let name = |node: usize| self.nodes.get(node).map_or("?", |node| &node.name);
+        if nodes.len() <= 1 {
+            return name(nodes.start).to_owned();
+        }
+        format!("{} to {}", name(nodes.start), name(nodes.end - 1))
+    }
+
     /// Returns the stations that are given by their times.
     pub fn stations_without_machine(&self) -> impl Iterator<Item = &Node> {
         let nodes = self.nodes.iter();
@@ -263,6 +296,43 @@ impl Line {
     fn is_reordered_from(&self, source: usize) -> bool {
         let mut nodes = self.nodes.iter();
         nodes.any(|n| matches!(n.kind, NodeKind::Sink { reorder, .. } if reorder == Some(source)))
+    }
+
+    /// Returns the routes of which a part with these property values takes one when it leaves a
+    /// node: a single route or all those of a choice; `None` if no condition holds.
+    pub fn way(&self, node: usize, part: usize, values: &[f64]) -> Option<Range<usize>> {
+        let first = self.routes.iter().position(|route| {
+            let holds = |c: &RealExpr| c.eval(values, &[]) != 0.0;
+            (route.from, route.part) == (node, part) && route.condition.as_ref().is_none_or(holds)
+        })?;
+        Some(first..self.end_of_way(first))
+    }
+
+    /// Returns the end (exclusive) of the routes that belong to the same choice as this one, from
+    /// this one on.
+    pub fn end_of_way(&self, route: usize) -> usize {
+        let choice = self.routes[route].choice;
+        let mut later = self.routes[route + 1..].iter();
+        let others = later.position(|r| choice.is_none() || r.choice != choice);
+        others.map_or(self.routes.len(), |n| route + 1 + n)
+    }
+
+    /// Returns the first route that belongs to the same choice as this one.
+    pub fn first_of_way(&self, route: usize) -> usize {
+        match self.routes[route].choice {
+            None => route,
+            choice => {
+                let earlier = self.routes[..route].iter().rev();
+                route - earlier.take_while(|r| r.choice == choice).count()
+            }
+        }
+    }
+
+    /// Returns whether parts that take this route may take another of the same choice instead,
+    /// whichever of the places has room first.
+    pub fn waits_for_any(&self, route: usize) -> bool {
+        let choice = self.routes[route].choice;
+        choice.is_some_and(|choice| self.choices[choice].waits_for_any())
     }
 
     /// Returns whether parts of this type have a route that ends at a node.
@@ -390,8 +460,36 @@ pub struct Route {
     /// Condition over the part's properties; any value except 0 is true. `None` for a route without
     /// a condition.
     pub condition: Option<RealExpr>,
+    /// Index into [`Line::choices`] of the choice to which the route belongs; `None` if it is the
+    /// only one of its statement. The routes of a choice follow one another, start at the same
+    /// place, are for the same part type, have the same condition, and end at different places.
+    pub choice: Option<usize>,
     /// Source position of the declaration.
     pub span: Span,
+}
+
+/// How a part chooses between several routes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Choice {
+    /// The first route to a place with room. If no place has room, the part waits for all of them,
+    /// and goes to the one that takes it first.
+    FirstFree,
+    /// The same, but of the places with room, to the one with the fewest parts in it.
+    ShortestQueue,
+    /// One route after the other. The part waits until the place whose turn it is has room.
+    RoundRobin,
+    /// By chance. The part waits until the place that was drawn has room.
+    Probability {
+        /// Probability of each route, in order; greater than 0, with sum 1.
+        shares: Vec<f64>,
+    },
+}
+
+impl Choice {
+    /// Whether a part waits for all places of the choice, not for one that is determined before.
+    pub fn waits_for_any(&self) -> bool {
+        matches!(self, Self::FirstFree | Self::ShortestQueue)
+    }
 }
 
 /// A requirement on a run: a comparison of a metric with a number.
@@ -427,8 +525,8 @@ pub enum Metric {
     Products,
     /// Number of contract violations.
     Violations,
-    /// Share of the run in which a station (node index) is busy, from 0 to 1.
-    Busy(usize),
+    /// Mean share of the run in which these stations (node indices) are busy, from 0 to 1.
+    Busy(Range<usize>),
 }
 
 /// Comparison of a metric with its bound.

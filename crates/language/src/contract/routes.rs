@@ -5,7 +5,7 @@
 //! there for ever: the part is neither taken out of the line nor joined to others there, and no
 //! route leads on.
 
-use super::line::{Line, NodeKind};
+use super::line::{Choice, Line, NodeKind, Route};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use std::collections::BTreeSet;
 
@@ -26,6 +26,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
         }
     }
     report_never_taken(line, findings);
+    report_after_endless_room(line, findings);
     report_isolated(line, findings);
     for (part, ty) in line.parts.iter().enumerate() {
         let mut open: Vec<usize> = origins(line, part);
@@ -154,21 +155,25 @@ fn report_isolated(line: &Line, findings: &mut Vec<Diagnostic>) {
 /// end.
 fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
     for (i, route) in line.routes.iter().enumerate() {
-        let mut earlier = line.routes[..i].iter();
-        let always = earlier.find(|first| {
+        let begin = line.first_of_way(i);
+        let always = (0..begin).find(|&first| {
+            let first = &line.routes[first];
             first.part == route.part && first.from == route.from && first.condition.is_none()
         });
-        let Some(first) = always.filter(|first| first.to != route.to) else {
+        let Some(always) = always else { continue };
+        let way = &line.routes[always..line.end_of_way(always)];
+        if way.iter().any(|first| first.to == route.to) {
             continue;
-        };
+        }
+        let first = &way[0];
         let (ty, from) = (&line.parts[route.part], &line.nodes[route.from]);
         let help = if route.condition.is_some() {
             "put the conditional route before the unconditional one".to_owned()
         } else {
             format!(
-                "add a condition to the first route: `when ...` for the parts that go to `{}`; the language does not yet support \
-                 parallel machines that share the work",
-                line.nodes[first.to].name
+                "add a condition to the first route, `when ...`, or let each part go to the first free of these places: \
+                 `route {}: {} -> {}, {}`",
+                ty.name, from.name, line.nodes[first.to].name, line.nodes[route.to].name
             )
         };
         findings.push(
@@ -185,6 +190,43 @@ fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
                 "every part takes this route, which has no condition",
             )
             .with_help(help),
+        );
+    }
+}
+
+/// Reports places of a choice that come after a sink or a store: these always have room, so no part
+/// goes farther down the list.
+fn report_after_endless_room(line: &Line, findings: &mut Vec<Diagnostic>) {
+    let mut end = 0;
+    while end < line.routes.len() {
+        let first = end;
+        end = line.end_of_way(first);
+        let choice = line.routes[first].choice;
+        if choice.is_none_or(|choice| line.choices[choice] != Choice::FirstFree) {
+            continue;
+        }
+        let way = &line.routes[first..end];
+        let endless = way.iter().position(|route| {
+            let kind = &line.nodes[route.to].kind;
+            matches!(kind, NodeKind::Sink { .. } | NodeKind::Store { .. })
+        });
+        let Some(endless) = endless.filter(|at| at + 1 < way.len()) else {
+            continue;
+        };
+        let (full, never) = (&way[endless], &way[endless + 1]);
+        let name = |route: &Route| line.nodes[route.to].name.as_str();
+        findings.push(
+            Diagnostic::error(
+                codes::LINE_ROUTE,
+                never.span,
+                format!(
+                    "no `{}` ever goes to `{}`: `{}` comes before it in the list, and always has room",
+                    line.parts[never.part].name,
+                    name(never),
+                    name(full)
+                ),
+            )
+            .with_help(format!("write `{}` last", name(full))),
         );
     }
 }

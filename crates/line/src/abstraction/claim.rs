@@ -61,15 +61,58 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         let rule =
             becomes(decision, none).or(is(decision, none).not().and(used.or(stays(decision))));
         given.safety.push(formula(span, &name, &text, &rule));
-        for (way, to) in model.shape.to(place, part).iter().enumerate() {
-            let to = &model.shape.places[*to].name;
-            let name = format!("{}_sends_{kind}_to_{to}", declared.name);
+        let to_all = model.shape.to(place, part);
+        let ways = declared.ways.iter().find(|ways| ways.part == part);
+        for exit in ways.iter().flat_map(|ways| &ways.exits) {
+            if to_all.iter().all(|to| exit.to.contains(to)) {
+                continue;
+            }
+            let names = exit
+                .to
+                .iter()
+                .map(|to| model.shape.places[*to].name.as_str());
+            let names: Vec<&str> = names.collect();
+            let name = format!("{}_sends_{kind}_to_{}", declared.name, names.join("_or_"));
             let text = format!(
-                "as long as {} passes on {kind} parts, one of them eventually goes to {to}",
-                declared.name
+                "as long as {} passes on {kind} parts, one of them eventually goes to {}",
+                declared.name,
+                names.join(" or ")
             );
-            let sent = is(decision, way).or(is(decision, none));
+            let chosen = to_all
+                .iter()
+                .enumerate()
+                .filter(|(_, to)| exit.to.contains(to));
+            let sent = any(chosen.map(|(way, _)| is(decision, way))).or(is(decision, none));
             given.justice.push(formula(span, &name, &text, &sent));
+        }
+        // A place with a machine of its own may leave a part waiting although it has room.
+        let takes_in_the_end = |to| !model.has_machine(to);
+        let vain = any(ways
+            .iter()
+            .flat_map(|ways| ways.open())
+            .map(|(to, exit)| model.waits_in_vain(place, part, to, &exit.to, takes_in_the_end)));
+        if vain != Expr::FALSE {
+            let name = format!("{}_sends_{kind}_where_there_is_room", declared.name);
+            let text = format!(
+                "{} does not keep {} for a full place for ever while another one has room that \
+                 would do",
+                declared.name,
+                an(kind)
+            );
+            given.justice.push(formula(span, &name, &text, &vain.not()));
+        }
+        let in_order = ways.iter().flat_map(|ways| ways.open());
+        let in_order = all(in_order
+            .filter(|(_, exit)| exit.in_order)
+            .map(|(to, exit)| passes_only_full(model, place, part, to, &exit.to)));
+        if in_order != Expr::TRUE {
+            let name = format!("{}_sends_{kind}_to_the_first_with_room", declared.name);
+            let text = format!(
+                "{} passes {} on to the first place in the list that has room",
+                declared.name,
+                an(kind)
+            );
+            given.safety.push(formula(span, &name, &text, &in_order));
         }
     }
     for (place, declared) in model.shape.places.iter().enumerate() {
@@ -86,6 +129,35 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         given.justice.push(formula(span, &name, &text, &comes));
     }
     given
+}
+
+/// A part from `place` goes to `to` only if the places before it in the list are full, or other
+/// parts wait for their room. Only places that always take a part when they have room count: a
+/// station can be down or off shift.
+fn passes_only_full(
+    model: Model<'_>,
+    place: usize,
+    part: usize,
+    to: usize,
+    exit: &[usize],
+) -> Expr {
+    let (Some(takes), Some(from)) = (
+        model.vars(to).takes,
+        model.shape.places[to].from.iter().position(|f| *f == place),
+    ) else {
+        return Expr::TRUE;
+    };
+    let before = exit.iter().take_while(|other| **other != to);
+    let sure = before.filter(|other| model.takes_at_once(**other));
+    let free = any(sure.map(|&other| {
+        let others = model.shape.places[other].from.iter();
+        let nobody_else = others
+            .filter(|from| **from != place)
+            .map(|from| model.offers_any(*from, other).not());
+        model.room(other, part).and(all(nobody_else))
+    }));
+    let taken = becomes(takes, from + 1).and(model.offers(place, part, to));
+    taken.and(free).not().simplify()
 }
 
 fn goal(model: Model<'_>, line: &Line) -> Side {
@@ -251,6 +323,13 @@ fn can_go_on(model: Model<'_>, place: usize) -> Expr {
             .enumerate()
             .filter(|(_, p)| matches!(p, Phase::Work(_)));
         ways.extend(work.map(|(i, _)| is(phase, i + 1)));
+    }
+    let takes_in_the_end = |to| !model.has_machine(to);
+    for of_part in &model.shape.places[place].ways {
+        let open = of_part.open();
+        ways.extend(open.map(|(to, exit)| {
+            model.waits_in_vain(place, of_part.part, to, &exit.to, takes_in_the_end)
+        }));
     }
     ways.push(model.may_offer(place));
     ways.extend(vars.open.map(|open| Expr::now(open).not()));

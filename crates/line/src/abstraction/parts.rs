@@ -227,6 +227,20 @@ impl Writer<'_> {
             &is(takes, 0).or(becomes(takes, 0)),
         );
         self.turns();
+        if matches!(model.shape.places[place].kind, PlaceKind::End { .. }) {
+            // There is always room, so no part has to wait for others.
+            for (i, from) in model.shape.places[place].from.iter().enumerate() {
+                let waits = model.offers_any(*from, place);
+                let name = format!("takes_from_{}_in_the_end", self.name(*from));
+                let text = format!(
+                    "if a part at {} waits to come here, it is eventually taken",
+                    self.name(*from)
+                );
+                let taken = is(takes, i + 1);
+                self.justice(&name, &text, &taken.or(waits.not()));
+            }
+            return;
+        }
         let text = match model.shape.places[place].kind {
             PlaceKind::Conveyor { places, sure, .. } if sure < places => format!(
                 "if a part waits to come here, one is eventually taken, as long as fewer than {sure} are on it or the first \

@@ -7,7 +7,8 @@
 
 use super::belt::{self, Room};
 use crate::undecided::UndecidedReason;
-use linewright_language::contract::line::{Belt, Line, Node, NodeKind};
+use linewright_language::contract::line::{Belt, BufferOrder, Choice, Line, Node, NodeKind};
+use linewright_language::contract::machine::Between;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -20,6 +21,9 @@ pub struct Place {
     pub node: usize,
     /// Kind of place.
     pub kind: PlaceKind,
+    /// Whether it may take no part for a while although it has room: a station that can be off
+    /// shift, or down without work.
+    pub pauses: bool,
     /// Part types that can be in it and leave it, each with its possible destinations in source
     /// order.
     pub ways: Vec<Ways>,
@@ -32,8 +36,36 @@ pub struct Place {
 pub struct Ways {
     /// Index of the type.
     pub part: usize,
-    /// Destination places; several only if conditions decide.
+    /// Destination places, each once; several only if conditions or a choice decide.
     pub to: Vec<usize>,
+    /// The ways of which a part takes one. Conditions decide which, or chance, or the order of the
+    /// parts.
+    pub exits: Vec<Exit>,
+}
+
+/// One way onward, or several of which a part takes the first that is free.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exit {
+    /// Destination places.
+    pub to: Vec<usize>,
+    /// Whether a part goes to the first of the destinations that has room, in this order.
+    pub in_order: bool,
+}
+
+impl Ways {
+    /// Pairs of a destination that belongs to one exit alone, and this exit, for the exits with
+    /// several destinations: a part that goes there would have gone to any other destination of the
+    /// exit that was free before.
+    pub fn open(&self) -> impl Iterator<Item = (usize, &Exit)> {
+        let open = self.exits.iter().filter(|exit| exit.to.len() > 1);
+        open.flat_map(move |exit| {
+            let own = move |to: &&usize| {
+                let mut others = self.exits.iter().filter(|other| *other != exit);
+                !others.any(|other| other.to.contains(to))
+            };
+            exit.to.iter().filter(own).map(move |to| (*to, exit))
+        })
+    }
 }
 
 /// Kind of a place.
@@ -121,6 +153,7 @@ impl Shape {
                     name,
                     node,
                     kind,
+                    pauses: pauses(line, node),
                     ways: Vec::new(),
                     from: Vec::new(),
                 });
@@ -204,7 +237,13 @@ impl Shape {
             if !leaves[place].insert(part) {
                 continue;
             }
-            let to = self.ways(line, place, part, intake, before);
+            let exits = self.exits(line, place, part, intake, before);
+            let mut to: Vec<usize> = Vec::new();
+            for destination in exits.iter().flat_map(|exit| &exit.to) {
+                if !to.contains(destination) {
+                    to.push(*destination);
+                }
+            }
             if to.is_empty() {
                 return Err(UndecidedReason::because(format!(
                     "{} has no way onward from {}",
@@ -230,7 +269,7 @@ impl Shape {
                     PlaceKind::Supply { .. } | PlaceKind::End { .. } => {}
                 }
             }
-            self.places[place].ways.push(Ways { part, to });
+            self.places[place].ways.push(Ways { part, to, exits });
         }
         for (place, there) in self.places.iter_mut().zip(&there) {
             place.from.sort_unstable();
@@ -244,7 +283,27 @@ impl Shape {
                 });
             }
         }
+        self.check_order(line)?;
         self.check_limits(line)
+    }
+
+    /// Rejects buffers that parts do not leave in the order of their arrival, if it matters which
+    /// part leaves first.
+    fn check_order(&self, line: &Line) -> Result<(), UndecidedReason> {
+        let ordered = self.places.iter().filter(|place| {
+            matches!(&line.nodes[place.node].kind,
+                NodeKind::Buffer { order, .. } if *order != BufferOrder::FirstIn)
+        });
+        for place in ordered {
+            let one = place.ways.len() <= 1 && place.ways.iter().all(|ways| ways.exits.len() == 1);
+            if !one {
+                return Err(UndecidedReason::because(format!(
+                    "parts of several types, or with several ways onward, overtake one another in {}",
+                    place.name
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// Checks that time passes somewhere on the way of every part; otherwise, everything else would
@@ -372,29 +431,56 @@ impl Shape {
         Ok(())
     }
 
-    fn ways(
+    /// The ways onward of a part type. A choice in turn or by chance is several ways.
+    fn exits(
         &self,
         line: &Line,
         place: usize,
         part: usize,
         intake: &[Option<usize>],
         before: &[Option<usize>],
-    ) -> Vec<usize> {
+    ) -> Vec<Exit> {
         let node = self.places[place].node;
         if before[node] == Some(place) {
-            return intake[node].into_iter().collect();
+            let to: Vec<usize> = intake[node].into_iter().collect();
+            return vec![Exit {
+                to,
+                in_order: false,
+            }];
         }
-        let mut found = Vec::new();
-        for route in line
-            .routes
-            .iter()
-            .filter(|r| r.from == node && r.part == part)
-        {
-            let to = match before[route.to] {
-                Some(room) if belt(&line.nodes[node]) => Some(room),
-                _ => intake[route.to],
-            };
-            found.extend(to.filter(|to| !found.contains(to)));
+        let mut found: Vec<Exit> = Vec::new();
+        let mut add = |exit: Exit| {
+            if !exit.to.is_empty() && !found.contains(&exit) {
+                found.push(exit);
+            }
+        };
+        let mut at = 0;
+        while at < line.routes.len() {
+            let first = at;
+            at = line.end_of_way(first);
+            let route = &line.routes[first];
+            if (route.from, route.part) != (node, part) {
+                continue;
+            }
+            let to = line.routes[first..at]
+                .iter()
+                .filter_map(|route| match before[route.to] {
+                    Some(room) if belt(&line.nodes[node]) => Some(room),
+                    _ => intake[route.to],
+                });
+            if line.waits_for_any(first) {
+                add(Exit {
+                    to: to.collect(),
+                    in_order: route.choice.map(|c| &line.choices[c]) == Some(&Choice::FirstFree),
+                });
+            } else {
+                to.for_each(|to| {
+                    add(Exit {
+                        to: vec![to],
+                        in_order: false,
+                    });
+                });
+            }
             if route.condition.is_none() {
                 break;
             }
@@ -507,6 +593,16 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     }
 }
 
+/// Whether a node may take no part for a while although it has room. Failures by working time do
+/// not count: they interrupt work, which goes on after the repair.
+fn pauses(line: &Line, node: usize) -> bool {
+    let NodeKind::Station(station) = &line.nodes[node].kind else {
+        return false;
+    };
+    let mut modes = station.failures.iter();
+    line.shift.is_some() || modes.any(|mode| !matches!(mode.between, Between::Working(_)))
+}
+
 /// Whether there is always another part at once, however many were supplied. A stock counts as
 /// endless: if all of it moved in one instant, no other event would ever come, and the guarantees
 /// of the places would contradict each other.
@@ -547,7 +643,7 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
             sure: *places,
             machine: belt.is_some(),
         },
-        NodeKind::Buffer { capacity } => PlaceKind::Room {
+        NodeKind::Buffer { capacity, .. } => PlaceKind::Room {
             capacity: *capacity,
         },
     }

@@ -541,12 +541,7 @@ impl<'a> Model<'a> {
     /// Nothing moves, and nothing could move before another event that takes time. What only belts
     /// with a machine could move does not count, because they move parts in their own steps.
     pub fn settled(&self) -> Expr {
-        let belt = |place: usize| {
-            matches!(
-                self.shape.places[place].kind,
-                PlaceKind::Conveyor { machine: true, .. }
-            )
-        };
+        let belt = |place: usize| self.has_machine(place);
         let mut rules = Vec::new();
         for (place, declared) in self.shape.places.iter().enumerate() {
             if !self.takes_time(place) {
@@ -556,14 +551,60 @@ impl<'a> Model<'a> {
                 continue;
             };
             rules.push(is(takes, 0));
-            if !belt(place) {
+            if !belt(place) && !declared.pauses {
                 let by_belt =
                     |taker: &usize| declared.from.get(taker - 1).is_some_and(|from| belt(*from));
                 let takers = self.takers(place).filter(|taker| !by_belt(taker));
                 rules.extend(takers.map(|taker| self.may_take(place, taker).not()));
             }
         }
+        for (place, declared) in self.shape.places.iter().enumerate() {
+            for ways in declared.ways.iter().filter(|_| !belt(place)) {
+                rules.extend(ways.open().map(|(to, exit)| {
+                    let at_once = |to| self.takes_at_once(to);
+                    self.waits_in_vain(place, ways.part, to, &exit.to, at_once)
+                        .not()
+                }));
+            }
+        }
         all(rules).simplify()
+    }
+
+    /// A part at `place` waits to go to `to`, which is full, while another place of the same exit
+    /// has room for it. Only those other places count that `counts`.
+    pub fn waits_in_vain(
+        &self,
+        place: usize,
+        part: usize,
+        to: usize,
+        exit: &[usize],
+        counts: impl Fn(usize) -> bool,
+    ) -> Expr {
+        let others = exit.iter().filter(|other| **other != to && counts(**other));
+        let room = any(others.map(|other| self.room(*other, part)));
+        let full = self.room(to, part).not();
+        self.offers(place, part, to).and(full).and(room).simplify()
+    }
+
+    /// Whether a place takes a part at once whenever it has room for it.
+    pub fn takes_at_once(&self, place: usize) -> bool {
+        let declared = &self.shape.places[place];
+        match &declared.kind {
+            PlaceKind::Station { tasks } => {
+                !declared.pauses && tasks.iter().all(|task| task.bill.is_empty())
+            }
+            PlaceKind::Conveyor { machine, .. } => !machine,
+            PlaceKind::Room { .. } | PlaceKind::End { .. } => true,
+            PlaceKind::Supply { .. } => false,
+        }
+    }
+
+    /// Whether a place is a conveyor that a machine moves in its own steps.
+    pub fn has_machine(&self, place: usize) -> bool {
+        matches!(
+            self.shape.places[place].kind,
+            PlaceKind::Conveyor { machine: true, .. }
+        )
     }
 
     /// The values of `takes` at a place, except 0 (none).

@@ -56,7 +56,10 @@ impl<'a> Branch<'a> {
         };
         let all = 0..vertices.len();
         let comes = attractor(before, all.clone().filter(|v| at_branch(*v)), |_| Some(1));
-        let takes = |v: &usize| vertices[*v].route == Some(index);
+        // Each route of a choice is taken again and again if the choice is made again and again: in
+        // turn, or by chance. Where a part goes to whichever place is free, they count as one.
+        let first = walk.line.first_of_way(index);
+        let takes = |v: &usize| vertices[*v].route == Some(first);
         let sure = attractor(before, all.clone().filter(takes), |v| {
             let v = &vertices[v];
             let in_store = v.stage == Stage::Comes

@@ -134,7 +134,7 @@ pub fn examine(
 
 /// A number carried by a part, with a total order.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Real(pub f64);
+pub(crate) struct Real(pub f64);
 
 impl PartialEq for Real {
     fn eq(&self, other: &Self) -> bool {
@@ -166,11 +166,15 @@ fn ordered(numbers: &[f64]) -> Vec<Real> {
     numbers.iter().map(|n| Real(*n)).collect()
 }
 
-/// Whether no route that parts take leads its part from its starting node to another node.
+/// Whether no other route that parts take leads its part from its starting node to another node.
+/// The routes of a choice count as one.
 fn is_alone(line: &Line, taken: &[bool], route: usize) -> bool {
+    let way = line.first_of_way(route)..line.end_of_way(route);
     let route = &line.routes[route];
-    line.routes.iter().zip(taken).all(|(other, taken)| {
-        !taken || (other.from, other.part) != (route.from, route.part) || other.to == route.to
+    let mut others = line.routes.iter().zip(taken).enumerate();
+    others.all(|(index, (other, taken))| {
+        let is_other = (other.from, other.part) == (route.from, route.part);
+        !taken || !is_other || way.contains(&index) || other.to == route.to
     })
 }
 

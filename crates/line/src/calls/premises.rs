@@ -3,7 +3,7 @@
 use super::{Calls, orders};
 use crate::abstraction::Shape;
 use crate::abstraction::words::an;
-use linewright_language::contract::line::{Line, NodeKind, Supply};
+use linewright_language::contract::line::{BufferOrder, Line, NodeKind, Supply};
 
 /// A premise of a proof that the line itself does not establish.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,6 +22,14 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     for (node, declared) in line.nodes.iter().enumerate() {
         let name = &declared.name;
         match &declared.kind {
+            NodeKind::Buffer { order, .. } if *order != BufferOrder::FirstIn => {
+                found.push(Premise {
+                    name: format!("every_part_leaves_{name}"),
+                    text: format!(
+                        "no part stays in {name} for ever because others overtake it there"
+                    ),
+                });
+            }
             NodeKind::Store { .. } => stock(line, calls, node, &mut found),
             NodeKind::Source {
                 supply: Supply::Every { limit: Some(n), .. },
@@ -48,9 +56,15 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     for (index, route) in line.routes.iter().enumerate() {
         if calls.taken[index] && !calls.by_chance[index] {
             let kind = &line.parts[route.part].name;
-            let (from, to) = (&line.nodes[route.from].name, &line.nodes[route.to].name);
+            let from = &line.nodes[route.from].name;
+            let way = line.first_of_way(index)..line.end_of_way(index);
+            let ends = line.routes[way]
+                .iter()
+                .map(|r| line.nodes[r.to].name.as_str());
+            let ends: Vec<&str> = ends.collect();
+            let (to, to_name) = (ends.join(" or "), ends.join("_or_"));
             let premise = Premise {
-                name: format!("{from}_sends_{kind}_to_{to}"),
+                name: format!("{from}_sends_{kind}_to_{to_name}"),
                 text: format!(
                     "as long as {kind} parts leave {from}, one of them eventually goes to {to}"
                 ),

@@ -10,7 +10,9 @@ use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
 use crate::undecided::UndecidedReason;
 use linewright_language::contract::distribution::Distribution;
-use linewright_language::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
+use linewright_language::contract::line::{
+    Choice as RouteChoice, Defect, InitialValue, Line, NodeKind, Task,
+};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::Limits;
 use linewright_station::interpret::Interpreter;
@@ -293,22 +295,21 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Lets a part leave by the first route whose condition holds.
+    /// Lets a part leave by the first route whose condition holds, or by each route of a choice.
     fn leave(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
-        let mut routes = self.line.routes.iter().enumerate();
-        let route = routes.find(|(_, route)| {
-            let holds =
-                |c: &linewright_language::contract::machine::RealExpr| c.eval(&values, &[]) != 0.0;
-            route.from == node && route.part == part && route.condition.as_ref().is_none_or(holds)
-        });
-        match route {
-            Some((index, route)) => {
-                self.vertices[at].route = Some(index);
-                self.connect(at, Stage::Comes, route.to, part, ordered(&values));
-            }
-            None => self.stranded.push(at),
+        let Some(way) = self.line.way(node, part, &values) else {
+            self.stranded.push(at);
+            return;
+        };
+        self.vertices[at].route = Some(way.start);
+        let choice = self.line.routes[way.start].choice;
+        if choice.is_some_and(|c| matches!(self.line.choices[c], RouteChoice::Probability { .. })) {
+            self.vertices[at].choice = Choice::Chance;
+        }
+        for route in &self.line.routes[way] {
+            self.connect(at, Stage::Comes, route.to, part, ordered(&values));
         }
     }
 
@@ -564,14 +565,15 @@ impl<'a> Walk<'a> {
     pub fn routes(&self, calls: &mut Calls) {
         let taken: BTreeSet<usize> = self.vertices.iter().filter_map(|v| v.route).collect();
         for (index, route) in self.line.routes.iter().enumerate() {
-            calls.taken[index] = taken.contains(&index);
+            let first = self.line.first_of_way(index);
+            calls.taken[index] = taken.contains(&first);
             let later = |v: &Vertex| {
                 v.stage == Stage::Leaves
                     && v.node == route.from
                     && v.part == route.part
-                    && v.route.is_none_or(|taken| taken > index)
+                    && v.route.is_none_or(|taken| taken > first)
             };
-            calls.always[index] = taken.contains(&index) && !self.vertices.iter().any(later);
+            calls.always[index] = calls.taken[index] && !self.vertices.iter().any(later);
         }
     }
 

@@ -19,6 +19,7 @@
 //! for a part that the belt before it has handed over. Turns at the next node are decided as for
 //! all other nodes; see `flow.rs`.
 
+use super::flow::Way;
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
 use crate::trace::{End, EventKind};
@@ -227,7 +228,7 @@ impl<'a> Run<'a> {
                 }
                 Some(Next::Waiting(position)) => {
                     if let Some(request) = self.queues.of_mut(node).remove(position) {
-                        self.transfer(request.outlet);
+                        self.transfer(request.outlet, node);
                     }
                 }
                 None => {}
@@ -259,14 +260,19 @@ impl<'a> Run<'a> {
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return true;
         };
-        let to = match self.outlets[outlet].to {
-            Some(to) => to,
-            None => match self.way(node, part) {
-                Some(to) => to,
-                None => return false,
-            },
+        let way = match self.outlets[outlet].to {
+            Some(way) => Some(way),
+            None => self.way(node, part),
         };
-        self.admits(to, self.parts[part].kind, node) && !self.others_first(to, Some(outlet))
+        way.is_some_and(|way| self.room_at_end(outlet, part, way).is_some())
+    }
+
+    /// The first place at the end of a way that would take a part now.
+    fn room_at_end(&self, outlet: usize, part: PartIndex, way: Way) -> Option<usize> {
+        let node = self.outlets[outlet].node;
+        let kind = self.parts[part].kind;
+        let mut places = self.setup.ways.to(way).iter().copied();
+        places.find(|to| self.admits(*to, kind, node) && !self.others_first(*to, Some(outlet)))
     }
 
     /// The part that would come on: the one handed over by another belt or the first waiting one,
@@ -345,8 +351,11 @@ impl<'a> Run<'a> {
         };
         self.outlets[outlet].part = Some(part);
         self.outlets[outlet].to = self.way(node, part);
-        if let Some(to) = self.outlets[outlet].to {
-            self.request(outlet, to, self.parts[part].kind);
+        if let Some(way) = self.outlets[outlet].to {
+            let setup = self.setup;
+            for &to in setup.ways.to(way) {
+                self.request(outlet, to, self.parts[part].kind, None);
+            }
         }
     }
 
@@ -354,11 +363,14 @@ impl<'a> Run<'a> {
     /// behind it go first.
     fn decline(&mut self, node: usize, outlet: usize) {
         self.belt(node).kept = 0;
-        let Some(to) = self.outlets[outlet].to else {
+        let Some(way) = self.outlets[outlet].to else {
             return;
         };
-        if self.queues.decline(to, outlet) {
-            self.look_at(to);
+        let setup = self.setup;
+        for &to in setup.ways.to(way) {
+            if self.queues.decline(to, outlet) {
+                self.look_at(to);
+            }
         }
     }
 
@@ -372,11 +384,10 @@ impl<'a> Run<'a> {
             self.outlets[outlet].to = self.way(node, part);
         }
         self.belt(node).kept = 0;
-        if let Some(to) = self.outlets[outlet].to {
-            self.queues
-                .of_mut(to)
-                .retain(|request| request.outlet != outlet);
-            self.transfer(outlet);
+        let way = self.outlets[outlet].to;
+        if let Some(to) = way.and_then(|way| self.room_at_end(outlet, part, way)) {
+            self.queues.withdraw(to, outlet);
+            self.transfer(outlet, to);
             // The requests behind this one had to wait for it; now they are examined.
             self.look_at(to);
         }

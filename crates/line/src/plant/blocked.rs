@@ -214,15 +214,20 @@ impl Run<'_> {
             .map(|outlet| self.outlets[outlet])
             .find_map(|outlet| outlet.part.map(|part| (part, outlet.to)));
         match (waiting, &self.places[node]) {
-            (Some((_, Some(to))), _) => {
-                let room = match self.places[to] {
-                    Place::Conveyor(_) | Place::Belt(_) => "room on ",
-                    Place::Buffer(_) => "room in ",
-                    _ => "",
-                };
+            (Some((_, Some(way))), _) => {
+                let places = self.setup.ways.to(way);
+                let rooms = places.iter().map(|&to| {
+                    let room = match self.places[to] {
+                        Place::Conveyor(_) | Place::Belt(_) => "room on ",
+                        Place::Buffer(_) => "room in ",
+                        _ => "",
+                    };
+                    format!("{room}{}", self.name(to))
+                });
+                let rooms: Vec<String> = rooms.collect();
                 Some(Reason {
-                    text: format!("{name} waits for {room}{}", self.name(to)),
-                    next: Some(to),
+                    text: format!("{name} waits for {}", rooms.join(" or ")),
+                    next: places.first().copied(),
                 })
             }
             (Some((part, None)), _) => Some(Reason {

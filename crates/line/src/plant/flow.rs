@@ -31,7 +31,7 @@ use super::queue::Request;
 use super::{Place, Run};
 use crate::trace::{End, EventKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::line::{Choice, Line, NodeKind};
 use linewright_language::contract::machine::RealExpr;
 use std::ops::Range;
 
@@ -44,43 +44,80 @@ pub(super) struct Outlet {
     pub kind: Option<usize>,
     /// The part that would leave; `None` if the outlet is empty.
     pub part: Option<PartIndex>,
-    /// Index of the next node; `None` if no route applies.
-    pub to: Option<usize>,
+    /// Where it goes; `None` if no route applies.
+    pub to: Option<Way>,
+    /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
+    /// takes.
+    pub since: Option<u64>,
+}
+
+/// The routes of which a part takes one: indices into [`Ways::to`], and the choice to which they
+/// belong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Way {
+    first: u32,
+    end: u32,
+    choice: Option<u32>,
+}
+
+impl Way {
+    /// The place to which the part goes; `None` if it is open to which of several.
+    pub(super) fn only(self, ways: &Ways) -> Option<usize> {
+        match ways.to(self) {
+            [to] => Some(*to),
+            _ => None,
+        }
+    }
 }
 
 /// Routes by node and part type.
 pub(super) struct Ways {
     types: usize,
+    /// By node and part type: range of `all`.
     index: Vec<Range<u32>>,
-    all: Vec<(usize, Option<RealExpr>)>,
+    all: Vec<(Way, Option<RealExpr>)>,
+    to: Vec<usize>,
 }
 
 impl Ways {
     pub(super) fn new(line: &Line) -> Self {
         let types = line.parts.len();
-        let mut ways = Vec::new();
+        let mut by_start: Vec<Vec<(Way, Option<RealExpr>)>> =
+            vec![Vec::new(); line.nodes.len() * types];
+        let mut at = 0;
+        while at < line.routes.len() {
+            let route = &line.routes[at];
+            let end = line.end_of_way(at);
+            let way = Way {
+                first: at as u32,
+                end: end as u32,
+                choice: route.choice.map(|choice| choice as u32),
+            };
+            by_start[route.from * types + route.part].push((way, route.condition.clone()));
+            at = end;
+        }
+        let mut all = Vec::new();
         let mut index = Vec::new();
-        for from in 0..line.nodes.len() {
-            for part in 0..types {
-                let first = ways.len() as u32;
-                ways.extend(
-                    line.routes
-                        .iter()
-                        .filter(|route| route.from == from && route.part == part)
-                        .map(|route| (route.to, route.condition.clone())),
-                );
-                index.push(first..ways.len() as u32);
-            }
+        for ways in by_start {
+            let first = all.len() as u32;
+            all.extend(ways);
+            index.push(first..all.len() as u32);
         }
         Self {
             types,
             index,
-            all: ways,
+            all,
+            to: line.routes.iter().map(|route| route.to).collect(),
         }
     }
 
-    /// Routes of a part type from a node, in order.
-    pub(super) fn from(&self, node: usize, part: usize) -> &[(usize, Option<RealExpr>)] {
+    /// The places at the ends of a way.
+    pub(super) fn to(&self, way: Way) -> &[usize] {
+        &self.to[way.first as usize..way.end as usize]
+    }
+
+    /// Ways of a part type from a node, in order.
+    pub(super) fn from(&self, node: usize, part: usize) -> &[(Way, Option<RealExpr>)] {
         let range = &self.index[node * self.types + part];
         &self.all[range.start as usize..range.end as usize]
     }
@@ -98,6 +135,7 @@ pub(super) fn outlets(line: &Line) -> (Vec<Outlet>, Vec<usize>) {
             kind,
             part: None,
             to: None,
+            since: None,
         };
         match declared.kind {
             NodeKind::Sink { .. } => {}
@@ -168,27 +206,59 @@ impl Run<'_> {
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
+        let since = self.outlets[outlet].since.take();
         let node = self.outlets[outlet].node;
-        let to = self.way(node, part);
+        let way = self.way(node, part);
         self.outlets[outlet].part = Some(part);
-        self.outlets[outlet].to = to;
-        let Some(to) = to else { return };
+        self.outlets[outlet].to = way;
+        let Some(way) = way else { return };
         let kind = self.parts[part].kind;
-        let admitted = self.admits(to, kind, node);
-        if admitted && !self.others_first(to, None) && !self.bill_first(to, kind) {
-            self.transfer(outlet);
-            return;
-        }
-        self.request(outlet, to, kind);
-        if admitted {
-            // An older request or a complete bill goes first, so the node is examined to serve it.
-            self.look_at(to);
+        if let Some(to) = way.only(&self.setup.ways) {
+            let admitted = self.admits(to, kind, node);
+            if admitted && !self.others_first(to, None) && !self.bill_first(to, kind) {
+                self.transfer(outlet, to);
+                return;
+            }
+            self.request(outlet, to, kind, since);
+            if admitted {
+                // An older request or a complete bill goes first, so the node is examined to serve
+                // it.
+                self.look_at(to);
+            }
+        } else if let Some(to) = self.free_place(outlet, way) {
+            self.transfer(outlet, to);
+        } else {
+            let setup = self.setup;
+            for &to in setup.ways.to(way) {
+                self.request(outlet, to, kind, since);
+                if self.admits(to, kind, node) {
+                    self.look_at(to);
+                }
+            }
         }
     }
 
-    /// Registers that the outlet waits for a node.
-    pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize) {
-        self.queues.push(to, outlet, kind);
+    /// The place to which an outlet's part can go at once, of those at the ends of its way: the
+    /// first one or, for the shortest queue, the first with the fewest parts.
+    pub(super) fn free_place(&self, outlet: usize, way: Way) -> Option<usize> {
+        let Outlet { node, part, .. } = self.outlets[outlet];
+        let kind = self.parts[part?].kind;
+        let takes = |to: &usize| {
+            self.admits(*to, kind, node)
+                && !self.others_first(*to, Some(outlet))
+                && !self.bill_first(*to, kind)
+        };
+        let mut places = self.setup.ways.to(way).iter().copied().filter(takes);
+        match way.choice.map(|choice| &self.line.choices[choice as usize]) {
+            Some(Choice::ShortestQueue) => places.min_by_key(|to| self.load(*to)),
+            _ => places.next(),
+        }
+    }
+
+    /// Registers that the outlet waits for a node. With `since`, it takes the turn of an earlier
+    /// request with this sequence number.
+    pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
+        self.queues.push(to, outlet, kind, since);
         match self.places[to] {
             Place::Conveyor(_) => self.reopen_later(to),
             Place::Belt(_) => self.wake(to),
@@ -196,10 +266,15 @@ impl Run<'_> {
         }
     }
 
-    /// The next node of a part, by the first route whose condition holds. If there is none, adds a
-    /// finding.
-    pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<usize> {
-        let Self { setup, parts, .. } = self;
+    /// The way of a part, by the first route whose condition holds, to the place that the choice
+    /// determines. If there is none, adds a finding.
+    pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
+        let Self {
+            setup,
+            parts,
+            choosers,
+            ..
+        } = self;
         let part = &parts[part];
         let way = setup
             .ways
@@ -210,8 +285,18 @@ impl Run<'_> {
                     .as_ref()
                     .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
             });
-        if let Some((to, _)) = way {
-            return Some(*to);
+        if let Some(&(way, _)) = way {
+            let chosen = way
+                .choice
+                .and_then(|choice| choosers[choice as usize].choose());
+            return Some(match chosen {
+                None => way,
+                Some(member) => Way {
+                    first: way.first + member,
+                    end: way.first + member + 1,
+                    ..way
+                },
+            });
         }
         let (kind, number) = (part.kind, part.number);
         if !self.journal.unroutable.contains(&(node, kind)) {
@@ -285,7 +370,7 @@ impl Run<'_> {
                 break;
             } else {
                 self.queues.of_mut(node).remove(next);
-                self.transfer(outlet);
+                self.transfer(outlet, node);
                 next = 0;
             }
         }
@@ -294,13 +379,29 @@ impl Run<'_> {
         }
     }
 
-    /// Moves an outlet's part along its way. The caller has checked that the next node has room for
-    /// it.
-    pub(super) fn transfer(&mut self, outlet: usize) {
-        let Outlet { node, part, to, .. } = self.outlets[outlet];
-        let (Some(part), Some(to)) = (part, to) else {
+    /// Moves an outlet's part to this place at the end of its way. The caller has checked that the
+    /// place has room for it, and has removed the outlet's request to it.
+    pub(super) fn transfer(&mut self, outlet: usize, to: usize) {
+        let Outlet {
+            node,
+            part,
+            to: way,
+            ..
+        } = self.outlets[outlet];
+        let (Some(part), Some(way)) = (part, way) else {
             return;
         };
+        if let Some(choice) = way.choice {
+            self.choosers[choice as usize].chosen();
+            let setup = self.setup;
+            for &other in setup.ways.to(way) {
+                let withdrawn = other != to && self.queues.withdraw(other, outlet).is_some();
+                if withdrawn && matches!(self.places[node], Place::Belt(_)) {
+                    // Room may have been reserved for the belt; see [Turns](self#turns).
+                    self.look_at(other);
+                }
+            }
+        }
         self.progress.count_movement();
         self.outlets[outlet].part = None;
         self.outlets[outlet].to = None;
@@ -323,15 +424,43 @@ impl Run<'_> {
             Place::Sink => self.sink(node, part),
             Place::Store(_) => self.store(node, part),
             Place::Buffer(buffer) => {
-                if buffer.put(part, self.now) {
-                    self.look_at(node);
-                }
+                let is_next = buffer.put(part, &self.parts[part], self.now);
                 self.record(node, Some(part), EventKind::Arrived);
+                if is_next {
+                    self.overtake(node);
+                }
             }
             Place::Station(_) => self.station_arrival(node, part),
             Place::Conveyor(_) => self.conveyor_arrival(node, part),
             Place::Belt(_) => self.belt_arrival(from, node, part),
             Place::Source(_) => {}
+        }
+    }
+
+    /// Lets a part that has just come to a buffer leave next. If another part waits to leave, the
+    /// newcomer takes its turn.
+    fn overtake(&mut self, node: usize) {
+        let outlet = self.setup.first_outlet[node];
+        let setup = self.setup;
+        self.outlets[outlet].part = None;
+        if let Some(way) = self.outlets[outlet].to.take() {
+            for &to in setup.ways.to(way) {
+                let since = self.queues.withdraw(to, outlet);
+                self.outlets[outlet].since = since.or(self.outlets[outlet].since);
+            }
+        }
+        self.look_at(node);
+    }
+
+    /// Number of parts in a place.
+    fn load(&self, node: usize) -> usize {
+        match &self.places[node] {
+            Place::Source(_) | Place::Sink => 0,
+            Place::Store(store) => store.parts().count(),
+            Place::Station(station) => station.parts().count(),
+            Place::Conveyor(conveyor) => conveyor.parts.len(),
+            Place::Belt(belt) => belt.held.len() + usize::from(belt.inlet.is_some()),
+            Place::Buffer(buffer) => buffer.len(),
         }
     }
 

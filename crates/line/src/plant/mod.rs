@@ -8,6 +8,7 @@
 mod belt;
 mod blocked;
 mod buffer;
+mod chooser;
 mod conveyor;
 mod counters;
 mod failures;
@@ -27,6 +28,7 @@ use super::trace::{End, Trace};
 use super::{Options, validate};
 use belt::BeltState;
 use buffer::Buffer;
+use chooser::Chooser;
 use conveyor::Conveyor;
 use counters::Counters;
 use flow::{Outlet, Ways};
@@ -141,6 +143,7 @@ struct Run<'a> {
     places: Vec<Place>,
     outlets: Vec<Outlet>,
     queues: Queues,
+    choosers: Vec<Chooser>,
     agenda: Agenda,
     end: Option<End>,
     counters: Counters,
@@ -299,7 +302,9 @@ impl<'a> Run<'a> {
                     belt: Some(belt), ..
                 } => Place::Belt(Box::new(BeltState::new(belt))),
                 NodeKind::Conveyor { .. } => Place::Conveyor(Box::default()),
-                NodeKind::Buffer { capacity } => Place::Buffer(Box::new(Buffer::new(*capacity))),
+                NodeKind::Buffer { capacity, order } => {
+                    Place::Buffer(Box::new(Buffer::new(*capacity, order)))
+                }
             })
             .collect();
         Self {
@@ -317,6 +322,7 @@ impl<'a> Run<'a> {
             places,
             outlets: setup.outlets.clone(),
             queues: Queues::new(line.nodes.len()),
+            choosers: Chooser::all(line, seed),
             agenda: Agenda::new(line.nodes.len()),
             end: None,
             counters: Counters::new(line.parts.len(), seed),

@@ -49,15 +49,31 @@ impl Queues {
         &mut self.waiting[node]
     }
 
-    /// Adds a request: an outlet, whose part has this type, waits for a node.
-    pub(super) fn push(&mut self, node: usize, outlet: usize, kind: usize) {
-        let order = self.next_number();
-        self.waiting[node].push_back(Request {
-            outlet,
-            kind,
-            order,
-            declined: false,
-        });
+    /// Adds a request: an outlet, whose part has this type, waits for a node. With `since`, it
+    /// takes the turn of an earlier request with this sequence number.
+    pub(super) fn push(&mut self, node: usize, outlet: usize, kind: usize, since: Option<u64>) {
+        let order = since.unwrap_or_else(|| self.next_number());
+        let queue = &mut self.waiting[node];
+        let at = match since {
+            None => queue.len(),
+            Some(order) => queue.partition_point(|request| request.order < order),
+        };
+        queue.insert(
+            at,
+            Request {
+                outlet,
+                kind,
+                order,
+                declined: false,
+            },
+        );
+    }
+
+    /// Removes the request of an outlet. Returns its sequence number, if there was one.
+    pub(super) fn withdraw(&mut self, node: usize, outlet: usize) -> Option<u64> {
+        let queue = &mut self.waiting[node];
+        let at = queue.iter().position(|request| request.outlet == outlet)?;
+        queue.remove(at).map(|request| request.order)
     }
 
     /// Moves an outlet that had its turn to the end of a node's queue. Returns whether the outlet

@@ -1,7 +1,8 @@
 //! Builds lines: parts, places and routes.
 
 use super::super::ast::{
-    Between, Failures, Line, LineItem, Outcome, PartCount, StationItem, Supply, TimeValue,
+    Between, BufferOrder, Copies, Failures, Line, LineItem, Outcome, PartCount, StationItem, Stop,
+    StopChoice, Supply, TimeValue,
 };
 use super::super::parser::Rule;
 use super::expression::binary_op;
@@ -140,7 +141,25 @@ impl Builder {
             Rule::l_buffer => {
                 let name = self.name(&c.next());
                 let capacity = self.count(&c.next());
-                LineItem::Buffer { name, capacity }
+                let order = if c.take(Rule::lifo).is_some() {
+                    Some(BufferOrder::LastIn)
+                } else {
+                    c.take(Rule::by_property).map(|order| {
+                        let mut c = Children::of(order);
+                        let highest = c.next().as_rule() == Rule::highest;
+                        let property = self.name(&c.next());
+                        if highest {
+                            BufferOrder::Highest(property)
+                        } else {
+                            BufferOrder::Lowest(property)
+                        }
+                    })
+                };
+                LineItem::Buffer {
+                    name,
+                    capacity,
+                    order,
+                }
             }
             Rule::l_conveyor => {
                 let name = self.name(&c.next());
@@ -164,8 +183,8 @@ impl Builder {
             Rule::l_route => {
                 let part = self.name(&c.next());
                 let mut stops = Vec::new();
-                while let Some(stop) = c.take(Rule::word) {
-                    stops.push(self.name(&stop));
+                while let Some(stop) = c.take(Rule::stop) {
+                    stops.push(self.stop(stop));
                 }
                 let when = c.take(Rule::expression).map(|e| self.expr(e));
                 LineItem::Route { part, stops, when }
@@ -186,6 +205,32 @@ impl Builder {
         }
     }
 
+    fn stop(&mut self, pair: Pair<'_, Rule>) -> Stop {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
+        let mut places = Vec::new();
+        while let Some(place) = c.take(Rule::word) {
+            places.push(self.name(&place));
+        }
+        let choice = if let Some(words) = c.take(Rule::choice) {
+            Some(match words.as_str().as_bytes()[0] {
+                b'f' => StopChoice::FirstFree,
+                b's' => StopChoice::ShortestQueue,
+                _ => StopChoice::RoundRobin,
+            })
+        } else {
+            c.take(Rule::by_probability).map(|shares| {
+                let shares: Vec<_> = Children::of(shares).rest().collect();
+                StopChoice::Probability(shares.into_iter().map(|e| self.expr(e)).collect())
+            })
+        };
+        Stop {
+            places,
+            choice,
+            span,
+        }
+    }
+
     pub(super) fn station(&mut self, pair: Pair<'_, Rule>, unparsed: &mut Vec<String>) -> LineItem {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
@@ -193,6 +238,13 @@ impl Builder {
         let machine = c.take(Rule::path).map(|p| self.name(&p));
         let arguments = c.take(Rule::arguments);
         let arguments = self.arguments(arguments);
+        let times = c.take(Rule::copies).map(|times| {
+            let count = Children::of(times).next();
+            Copies {
+                count: self.count(&count),
+                span: self.span(&count),
+            }
+        });
         let mut items = Vec::new();
         for item in c.rest() {
             self.place(&item);
@@ -250,6 +302,7 @@ impl Builder {
         LineItem::Station {
             name,
             machine: machine.map(|m| (m, arguments)),
+            times,
             items,
         }
     }

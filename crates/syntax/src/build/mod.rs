@@ -342,6 +342,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_else
             | Rule::k_every
             | Rule::k_failures
+            | Rule::k_first
             | Rule::k_from
             | Rule::k_guarantee
             | Rule::k_hour
@@ -396,6 +397,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_takes
             | Rule::k_then
             | Rule::k_time
+            | Rule::k_times
             | Rule::k_to
             | Rule::k_twice
             | Rule::k_type

@@ -1,6 +1,10 @@
 //! Prints lines.
 
-use super::super::ast::{Line, LineItem, PartCount, StationItem, Supply};
+use super::super::ast::{
+    BufferOrder, Line, LineItem, PartCount, StationItem, Stop, StopChoice, Supply,
+};
+use super::super::binds;
+use super::expression::Continuation;
 use super::printer::Printer;
 use linewright_core::source::Span;
 
@@ -74,10 +78,24 @@ impl Printer<'_> {
                     self.name(source);
                 }
             }
-            LineItem::Buffer { name, capacity } => {
+            LineItem::Buffer {
+                name,
+                capacity,
+                order,
+            } => {
                 self.put("buffer ");
                 self.name(name);
                 self.put(&format!(" capacity {capacity}"));
+                match order {
+                    None => {}
+                    Some(BufferOrder::LastIn) => self.put(" lifo"),
+                    Some(BufferOrder::Highest(property) | BufferOrder::Lowest(property)) => {
+                        let highest = matches!(order, Some(BufferOrder::Highest(_)));
+                        self.put(if highest { " highest " } else { " lowest " });
+                        self.name(property);
+                        self.put(" first");
+                    }
+                }
             }
             LineItem::Conveyor {
                 name,
@@ -101,6 +119,7 @@ impl Printer<'_> {
             LineItem::Station {
                 name,
                 machine,
+                times,
                 items,
             } => {
                 self.put("station ");
@@ -109,6 +128,9 @@ impl Printer<'_> {
                     self.put(": ");
                     self.name(machine);
                     self.arguments(machine.span, arguments);
+                }
+                if let Some(times) = times {
+                    self.put(&format!(" times {}", times.count));
                 }
                 if !items.is_empty() {
                     self.block(place, items, true, |p, _, item| p.station_item(item));
@@ -126,7 +148,7 @@ impl Printer<'_> {
                             let forced = p.broken(stops[i - 1].span, stop.span);
                             p.gap(level, true, forced);
                         }
-                        p.name(stop);
+                        p.stop(stop);
                     }
                 });
                 let last = stops.last().map_or(part.span, |s| s.span);
@@ -187,6 +209,21 @@ impl Printer<'_> {
                 if let Some(limit) = limit {
                     self.put(&format!(" limit {limit}"));
                 }
+            }
+        }
+    }
+
+    fn stop(&mut self, stop: &Stop) {
+        for (i, place) in stop.places.iter().enumerate() {
+            self.put(if i > 0 { ", " } else { "" });
+            self.name(place);
+        }
+        let Some(choice) = &stop.choice else { return };
+        self.put(&format!(" {}", choice.words()));
+        if let StopChoice::Probability(shares) = choice {
+            for (i, share) in shares.iter().enumerate() {
+                self.put(if i > 0 { ", " } else { " " });
+                self.operand(share, binds::ADDITIVE, Continuation::Operator);
             }
         }
     }

@@ -1,14 +1,16 @@
 //! Resolution of lines: instantiates the machines of stations and conveyors, and resolves part
 //! types, places and routes.
 
+mod copies;
 mod parts;
 mod places;
 mod statements;
 mod stations;
+mod ways;
 
 use super::distribution::Distribution;
 use super::elaborate::{Elaborator, nearest};
-use super::line::{Line, Node, NodeKind, PartType};
+use super::line::{BufferOrder, Line, Node, NodeKind, PartType};
 use super::machine::Machine;
 use super::machines::PropertyType;
 use super::routes;
@@ -39,6 +41,8 @@ struct Builder<'a, 's> {
     machines: BTreeMap<(String, String), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,
+    /// By node: the number of stations that it stands for, if this is written.
+    times: BTreeMap<usize, usize>,
     /// By node: the time of work on parts of any type, `takes d`, and its place.
     common_times: BTreeMap<usize, (Distribution, Span)>,
     /// Indices of the nodes that are stations.
@@ -65,14 +69,17 @@ pub(super) fn line<'a>(
         machines: BTreeMap::new(),
         part_index: BTreeMap::new(),
         node_index: BTreeMap::new(),
+        times: BTreeMap::new(),
         common_times: BTreeMap::new(),
         stations: BTreeSet::new(),
         sources_of_parts: BTreeSet::new(),
     };
-    let model = builder.build(decl);
+    let mut model = builder.build(decl);
+    let times = builder.times;
     let mut e = builder.e;
     if !e.findings.has_errors() && decl.unparsed.is_empty() {
         routes::check(&model, &mut e.findings.list);
+        copies::expand(&mut model, &times);
     }
     let broken = e.findings.has_errors() || !decl.unparsed.is_empty();
     findings.append(&mut e.findings.list);
@@ -99,6 +106,7 @@ impl<'a> Builder<'a, '_> {
             product: 0,
             nodes: Vec::new(),
             routes: Vec::new(),
+            choices: Vec::new(),
             requirements: Vec::new(),
             limit: None,
             shift: None,
@@ -116,7 +124,10 @@ impl<'a> Builder<'a, '_> {
                 // error.
                 model.nodes.push(Node {
                     name: String::new(),
-                    kind: NodeKind::Buffer { capacity: 1 },
+                    kind: NodeKind::Buffer {
+                        capacity: 1,
+                        order: BufferOrder::FirstIn,
+                    },
                     span: decl.name.span,
                 });
             }
@@ -127,6 +138,7 @@ impl<'a> Builder<'a, '_> {
             self.statement(item, &mut model);
         }
         self.add_common_times(&mut model);
+        self.check_buffers(decl, &model);
         model.parts = std::mem::take(&mut self.parts)
             .into_iter()
             .map(|p| p.model)

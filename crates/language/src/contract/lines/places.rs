@@ -116,7 +116,11 @@ impl<'a> Builder<'a, '_> {
                     },
                 ))
             }
-            LineItem::Buffer { name, capacity } => {
+            LineItem::Buffer {
+                name,
+                capacity,
+                order,
+            } => {
                 if *capacity == 0 || *capacity > 1_000_000 {
                     self.e.findings.error_with(
                         codes::ARGUMENT,
@@ -130,6 +134,7 @@ impl<'a> Builder<'a, '_> {
                     name,
                     NodeKind::Buffer {
                         capacity: *capacity as u32,
+                        order: self.buffer_order(order.as_ref()),
                     },
                 ))
             }
@@ -141,8 +146,14 @@ impl<'a> Builder<'a, '_> {
             LineItem::Station {
                 name,
                 machine,
+                times,
                 items,
-            } => self.station(name, machine.as_ref(), items),
+            } => {
+                if let Some(times) = times {
+                    self.copies(name, *times);
+                }
+                self.station(name, machine.as_ref(), items)
+            }
             _ => None,
         }
     }

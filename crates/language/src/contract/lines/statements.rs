@@ -1,13 +1,12 @@
-//! Resolution of routes, requirements, shifts, limits and the end product.
+//! Resolution of requirements, shifts, limits and the end product.
 
 use super::Builder;
 use crate::contract::elaborate::nearest;
-use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Route, Shift};
+use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Shift};
 use crate::contract::machines::non_negative;
 use crate::contract::scope::{duplicate_name, duplicate_statement};
 use crate::contract::value::Dimension;
 use linewright_core::diagnostics::codes;
-use linewright_core::gr1::Time;
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
@@ -222,7 +221,7 @@ impl<'a> Builder<'a, '_> {
                     );
                     return None;
                 }
-                (Metric::Busy(node), Dimension::None, 1.0)
+                (Metric::Busy(node..node + 1), Dimension::None, 1.0)
             }
             (other, _) => {
                 let metrics = format!("the metrics are {}(station)", NAMES.join(", "));
@@ -240,37 +239,5 @@ impl<'a> Builder<'a, '_> {
                 return None;
             }
         })
-    }
-
-    /// Adds the routes between consecutive stops. A condition applies to the first of these routes
-    /// only.
-    pub(super) fn route(
-        &mut self,
-        part: &'a ast::Name,
-        stops: &'a [ast::Name],
-        when: Option<&'a ast::Expr>,
-        model: &mut Line,
-    ) {
-        let index = self.find_part(part);
-        let nodes: Vec<Option<usize>> = stops.iter().map(|s| self.find_node(s)).collect();
-        let Some(index) = index else { return };
-        let condition = when.and_then(|c| {
-            let mut scope = self.part_scope(index);
-            let term = scope.boolean(c, Time::Now);
-            self.e.findings.absorb(&mut scope.findings);
-            Some(term?.to_real(self.parts[index].model.properties.len()))
-        });
-        for (i, pair) in nodes.windows(2).enumerate() {
-            let (Some(from), Some(to)) = (pair[0], pair[1]) else {
-                continue;
-            };
-            model.routes.push(Route {
-                part: index,
-                from,
-                to,
-                condition: if i == 0 { condition.clone() } else { None },
-                span: stops[i].span.to(stops[i + 1].span),
-            });
-        }
     }
 }

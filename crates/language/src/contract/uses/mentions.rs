@@ -202,7 +202,10 @@ impl<'a> Mentions<'a> {
                         self.station_item(item);
                     }
                 }
-                LineItem::Route { when, .. } => self.exprs(when),
+                LineItem::Route { stops, when, .. } => {
+                    self.exprs(stops.iter().flat_map(|stop| stop.expressions()));
+                    self.exprs(when);
+                }
                 LineItem::Requirement { bound, .. } => self.expr(bound),
                 LineItem::Shift(a, b) => self.exprs([a, b]),
                 LineItem::Limit(e, _) => self.expr(e),
