@@ -48,6 +48,7 @@
 //! For conveyors with a contract, see `plant/belt.rs`.
 
 pub mod abstraction;
+mod bottleneck;
 pub mod calendar;
 pub mod calls;
 mod metric;
@@ -61,6 +62,7 @@ pub mod trace;
 mod undecided;
 mod validate;
 
+pub use bottleneck::{Bottleneck, Candidate};
 use linewright_core::deadline::Deadline;
 pub use metric::ReplicatedRequirement;
 pub use plant::Plant;

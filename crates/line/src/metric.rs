@@ -1,5 +1,6 @@
 //! Requirements: measured values, and whether they meet their bounds.
 
+use super::bottleneck::Bottleneck;
 use super::replicate::Estimate;
 use super::trace::{End, RequirementResult, Trace};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -214,13 +215,11 @@ pub fn describe(metric: &Metric, line: &Line) -> String {
 /// Where to begin: at the bottleneck if the metric depends on the pace of the line, at the largest
 /// consumer if it is the energy.
 fn advice(metric: &Metric, line: &Line, trace: &Trace) -> String {
-    let bottleneck = || trace.bottleneck.and_then(|index| trace.stations.get(index));
     let found = match metric {
         Metric::ThroughputPerHour
         | Metric::MakespanSeconds
         | Metric::LeadTimeMeanSeconds
-        | Metric::Products => bottleneck()
-            .map(|station| format!("The bottleneck of {} was {}", line.name, station.name)),
+        | Metric::Products => bottleneck(line, &trace.bottleneck),
         Metric::EnergyKwh => largest_consumer(trace).map(|(name, joules)| {
             let share = 100.0 * joules / trace.joules;
             format!("{name} used {share:.0} % of the energy of {}", line.name)
@@ -230,6 +229,29 @@ fn advice(metric: &Metric, line: &Line, trace: &Trace) -> String {
     match found {
         Some(found) => format!("{found}; look there first, or change the requirement."),
         None => "Change the line or the requirement.".to_owned(),
+    }
+}
+
+/// Where to begin to make a line faster.
+fn bottleneck(line: &Line, bottleneck: &Bottleneck) -> Option<String> {
+    match bottleneck {
+        Bottleneck::Nothing => None,
+        Bottleneck::Station(station) => Some(format!(
+            "The bottleneck of {} was {}",
+            line.name, station.name
+        )),
+        Bottleneck::Source { names, .. } => Some(format!(
+            "The line took in all that {} brought",
+            names.join(" and ")
+        )),
+        Bottleneck::Undecided(stations) => {
+            let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
+            Some(format!(
+                "{} limited {} alike",
+                names.join(" and "),
+                line.name
+            ))
+        }
     }
 }
 

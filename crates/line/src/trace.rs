@@ -1,6 +1,7 @@
 //! The result of a run: the only interface between the runner and everything that shows or checks a
 //! run.
 
+use super::bottleneck::Bottleneck;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_station::ErrorCode;
 
@@ -45,9 +46,10 @@ pub struct Trace {
     pub buffers: Vec<BufferStatistics>,
     /// One entry per machine, in the order of their first instances.
     pub machines: Vec<MachineStatistics>,
-    /// The station (an index into `stations`) with the greatest share of busy, setup and failed
-    /// time; `None` if all these shares are 0.
-    pub bottleneck: Option<usize>,
+    /// One entry per source, in line order.
+    pub sources: Vec<SourceStatistics>,
+    /// What limits the throughput.
+    pub bottleneck: Bottleneck,
     /// Rejected parts by type, in line order; types without any are omitted.
     pub rejects: Vec<Reject>,
     /// The first [`MAX_VIOLATIONS`] violations, in time order.
@@ -145,6 +147,21 @@ impl Shares {
     pub fn engaged(&self) -> f64 {
         self.busy + self.setup + self.failed
     }
+}
+
+/// Statistics of a source.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SourceStatistics {
+    /// Index of the node.
+    pub node: usize,
+    /// Name of the source.
+    pub name: String,
+    /// Number of parts that have left the source.
+    pub passed: u64,
+    /// Share of the time in which a part waited in the source for room.
+    pub blocked: f64,
+    /// Share of the parts that went from the source into a sink with `rejects`: they found no room.
+    pub lost: f64,
 }
 
 /// Statistics of a station.

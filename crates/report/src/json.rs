@@ -5,8 +5,8 @@
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
-use linewright_line::trace::{End, Shares};
-use linewright_line::{Estimate, Replications, Trace};
+use linewright_line::trace::{End, Shares, SourceStatistics};
+use linewright_line::{Bottleneck, Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
 /// JSON Schema of the document.
@@ -172,7 +172,9 @@ pub fn json(
             "max": round(trace.lead_time.max, 6),
         },
         "energy_kwh": kwh(trace.joules),
-        "bottleneck": trace.bottleneck.and_then(|i| trace.stations.get(i)).map(|s| s.name.as_str()),
+        "bottleneck": trace.bottleneck.station().map(|station| station.name.as_str()),
+        "limited_by": limited_by(&trace.bottleneck),
+        "sources": trace.sources.iter().map(source).collect::<Vec<_>>(),
         "stations": stations,
         "conveyors": conveyors,
         "buffers": buffers,
@@ -190,6 +192,28 @@ pub fn json(
         }
     }
     document
+}
+
+fn limited_by(bottleneck: &Bottleneck) -> Value {
+    let (kind, places): (&str, Vec<&str>) = match bottleneck {
+        Bottleneck::Nothing => ("nothing", Vec::new()),
+        Bottleneck::Station(station) => ("station", vec![&station.name]),
+        Bottleneck::Source { names, .. } => ("source", names.iter().map(String::as_str).collect()),
+        Bottleneck::Undecided(stations) => (
+            "undecided",
+            stations.iter().map(|s| s.name.as_str()).collect(),
+        ),
+    };
+    json!({ "kind": kind, "places": places })
+}
+
+fn source(source: &SourceStatistics) -> Value {
+    json!({
+        "name": source.name,
+        "passed": source.passed,
+        "blocked": round(source.blocked, 6),
+        "lost": round(source.lost, 6),
+    })
 }
 
 fn replicated(replications: &Replications) -> Value {

@@ -3,7 +3,7 @@
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line, Metric};
 use linewright_line::trace::{End, clock, duration};
-use linewright_line::{Estimate, Replications, Trace};
+use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
@@ -93,17 +93,7 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
             trace.wip.mean, trace.wip.max
         ),
     );
-    let bottleneck = trace.bottleneck.and_then(|i| trace.stations.get(i));
-    row(
-        "bottleneck",
-        bottleneck.map_or("none".to_owned(), |station| {
-            format!(
-                "{} (busy, set up or failed {:.1} % of the time)",
-                station.name,
-                station.shares.engaged() * 100.0
-            )
-        }),
-    );
+    row("bottleneck", bottleneck(&trace.bottleneck));
     row(
         "energy",
         format!("{:.3} kWh", trace.joules / JOULES_PER_KWH),
@@ -364,6 +354,31 @@ fn measured(value: Option<f64>, places: usize) -> String {
 
 fn kwh(joules: f64) -> String {
     format!("{:.3}", joules / JOULES_PER_KWH)
+}
+
+fn bottleneck(bottleneck: &Bottleneck) -> String {
+    let engaged = |station: &Candidate| {
+        format!(
+            "{} (busy, set up or failed {:.1} % of the time)",
+            station.name,
+            station.engaged * 100.0
+        )
+    };
+    match bottleneck {
+        Bottleneck::Nothing => "none".to_owned(),
+        Bottleneck::Station(station) => engaged(station),
+        Bottleneck::Source { names, busiest } => {
+            let sources = names.join(" and ");
+            let busiest = busiest.as_ref().map_or(String::new(), |station| {
+                format!("; busiest: {}", engaged(station))
+            });
+            format!("{sources}, whose parts need not wait{busiest}")
+        }
+        Bottleneck::Undecided(stations) => {
+            let stations: Vec<String> = stations.iter().map(engaged).collect();
+            format!("undecided: {}", stations.join(", "))
+        }
+    }
 }
 
 fn metric(metric: &Metric, line: &Line) -> String {

@@ -181,7 +181,7 @@ fn a_line_like_the_laboratory() {
     let rejected = trace.parts.rejected;
     assert!((5..30).contains(&rejected), "{rejected}");
     assert_eq!(trace.stations[0].name, "printer");
-    assert_eq!(trace.bottleneck, Some(0));
+    assert_eq!(trace.bottleneck.station().unwrap().name, "printer");
     // The printer works without interruption: one print after the other, and then the last one's
     // way through the line.
     let printed = 100.0 * (50 + rejected) as f64;

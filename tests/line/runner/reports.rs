@@ -146,6 +146,20 @@ fn as_json() {
       },
       "energy_kwh": 0.00275,
       "bottleneck": "assembly_cell_1",
+      "limited_by": {
+        "kind": "station",
+        "places": [
+          "assembly_cell_1"
+        ]
+      },
+      "sources": [
+        {
+          "name": "feeder",
+          "passed": 8,
+          "blocked": 0.582524,
+          "lost": 0.0
+        }
+      ],
       "stations": [
         {
           "name": "camera",

@@ -1,9 +1,9 @@
 //! Setup, breakdowns, shifts, energy, and the booking of time.
 
-use crate::models::{Builder, constant, every, failing};
+use crate::models::{Builder, constant, every, failing, plant_of};
 use linewright::contract::distribution::Distribution;
-use linewright::line::Trace;
 use linewright::line::trace::EventKind;
+use linewright::line::{Bottleneck, Options, Trace};
 
 fn near(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance, "{a} is not near {b}");
@@ -147,7 +147,7 @@ fn an_unvisited_station_is_idle() {
         .route("Part", &["source", "used", "sink"]);
     let trace = builder.run(3);
     assert_eq!(trace.stations[1].shares.idle, 1.0);
-    assert_eq!(trace.bottleneck, Some(0));
+    assert_eq!(trace.bottleneck.station().unwrap().name, "used");
 }
 
 /// Results of a manual calculation for a line that has nothing left to do while shifts continue.
@@ -234,7 +234,85 @@ fn is_the_bottleneck(trace: &Trace) {
     let position = |name: &str| trace.stations.iter().position(|s| s.name == name);
     let busy = |name: &str| trace.stations[position(name).unwrap()].shares.busy;
     assert!(busy("slow") < busy("works"));
-    assert_eq!(trace.bottleneck, position("slow"));
+    assert_eq!(trace.bottleneck.station().unwrap().name, "slow");
+}
+
+/// What limits a line with a source, a buffer and two stations.
+fn limit(every: &str, x: &str, y: &str) -> Bottleneck {
+    let text = format!(
+        "line L {{
+            part P source a: P every {every}
+            buffer q capacity 10
+            station x {{ takes {x} }} station y times 2 {{ takes {y} }}
+            sink k
+            route P: a -> q -> x -> y -> k
+        }}"
+    );
+    let options = Options {
+        parts: Some(2_000),
+        ..Options::default()
+    };
+    plant_of(&text, options).run().bottleneck
+}
+
+#[test]
+fn what_limits_a_line_may_be_its_source() {
+    // The source brings a part in 5 s, though x works four of them.
+    let Bottleneck::Source { names, busiest } = limit("5 s", "4 s", "2 s") else {
+        panic!("not the source");
+    };
+    let busiest = busiest.unwrap();
+    assert_eq!((names, busiest.name.as_str()), (vec!["a".to_owned()], "x"));
+    assert!((busiest.engaged - 0.8).abs() < 0.01);
+    for (every, x, y, name) in [
+        ("3 s", "4 s", "2 s", "x"),
+        ("0 s", "4 s", "2 s", "x"),
+        ("exponential(1 s)", "1.5 s", "4 s", "y"),
+    ] {
+        let found = limit(every, x, y);
+        assert_eq!(found.station().unwrap().name, name, "{found:?}");
+    }
+    // Both are always busy, or nearly so.
+    let Bottleneck::Undecided(equal) = limit("0 s", "2 s", "4 s") else {
+        panic!("one of two is chosen");
+    };
+    let names: Vec<&str> = equal.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["x", "y"]);
+}
+
+/// A source that loses its parts is not what limits the line.
+#[test]
+fn a_source_whose_parts_are_lost_does_not_limit_the_line() {
+    let text = "line L {
+        part P source a: P every 1 s
+        station x { takes 3.5 s }
+        sink k sink floor rejects
+        route P: a -> x, floor
+        route P: x -> k
+    }";
+    let options = Options {
+        parts: Some(500),
+        ..Options::default()
+    };
+    let trace = plant_of(text, options).run();
+    assert_eq!(trace.bottleneck.station().unwrap().name, "x");
+    let source = &trace.sources[0];
+    assert_eq!(source.blocked, 0.0);
+    assert!((source.lost - 0.75).abs() < 0.01, "{source:?}");
+    // Without the overflow, a part always waits in the source.
+    let trace = plant_of(
+        &text
+            .replace("a -> x, floor", "a -> x")
+            .replace("sink floor rejects", ""),
+        Options {
+            parts: Some(500),
+            ..Options::default()
+        },
+    )
+    .run();
+    let source = &trace.sources[0];
+    assert!(source.blocked > 0.99, "{source:?}");
+    assert_eq!(trace.bottleneck.station().unwrap().name, "x");
 }
 
 /// Work interrupted by the end of a shift counts toward the next breakdown.

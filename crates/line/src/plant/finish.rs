@@ -1,18 +1,20 @@
 //! The end of a run: closes and checks the accounts, and creates the trace.
 
 use super::{Place, Run};
+use crate::bottleneck::Bottleneck;
 use crate::metric;
 use crate::statistics::Activity;
 use crate::trace::{
     BufferStatistics, ConveyorStatistics, End, MachineStatistics, PartCounts, Reject,
-    StationStatistics, Trace, WorkInProgress,
+    SourceStatistics, StationStatistics, Trace, WorkInProgress,
 };
-use linewright_language::contract::line::NodeKind;
+use linewright_language::contract::line::{Line, NodeKind, Supply};
 
 impl Run<'_> {
     pub(super) fn finish(mut self, end: End) -> Trace {
         self.report_short_run();
         let (mut stations, mut conveyors, mut buffers) = (Vec::new(), Vec::new(), Vec::new());
+        let mut sources = Vec::new();
         let (now, on_shift) = (self.now, self.on_shift);
         let start = self.counting_start();
         let counted = now - start;
@@ -61,6 +63,18 @@ impl Run<'_> {
                         moving_seconds,
                         joules: moving_seconds * watts
                             + (counted - moving_seconds) * declared.machine.idle_watts,
+                    });
+                }
+                (NodeKind::Source { .. }, Place::Source(source)) => {
+                    let outlet = self.setup.first_outlet[index];
+                    let waits = self.outlets[outlet].part.is_some();
+                    let (passed, blocked, lost) = source.close(now, counted, waits);
+                    sources.push(SourceStatistics {
+                        node: index,
+                        name: node.name.clone(),
+                        passed,
+                        blocked,
+                        lost,
                     });
                 }
                 (NodeKind::Buffer { .. }, Place::Buffer(buffer)) => {
@@ -116,7 +130,8 @@ impl Run<'_> {
                 + stations.iter().map(|s| s.joules).sum::<f64>()
                 + conveyors.iter().map(|c| c.joules).sum::<f64>(),
             machines: machines(&stations, &conveyors),
-            bottleneck: bottleneck(&stations),
+            bottleneck: Bottleneck::of(&stations, &sources, all_timed(self.line)),
+            sources,
             stations,
             conveyors,
             buffers,
@@ -211,16 +226,16 @@ fn machines(
     machines
 }
 
-/// The first station with the greatest share of busy, setup and failed time; `None` if all shares
-/// are 0.
-fn bottleneck(stations: &[StationStatistics]) -> Option<usize> {
-    let mut best = None;
-    let mut greatest = 0.0;
-    for (index, station) in stations.iter().enumerate() {
-        if station.shares.engaged() > greatest {
-            greatest = station.shares.engaged();
-            best = Some(index);
-        }
-    }
-    best
+/// Whether parts come from sources with an interval alone, and nothing limits their number.
+fn all_timed(line: &Line) -> bool {
+    line.nodes.iter().all(|node| match &node.kind {
+        NodeKind::Source {
+            supply: Supply::Every { interval, .. },
+            most: None,
+            ..
+        } => !interval.is_zero(),
+        NodeKind::Source { .. } => false,
+        NodeKind::Store { stock } => stock.is_empty(),
+        _ => true,
+    })
 }

@@ -413,7 +413,12 @@ impl Run<'_> {
             Place::Station(_) => self.station_left(node),
             Place::Conveyor(_) => self.conveyor_left(node),
             Place::Belt(_) => self.belt_left(node),
-            Place::Source(_) | Place::Sink => {}
+            Place::Source(source) => {
+                let to = &self.line.nodes[to].kind;
+                let is_lost = matches!(to, NodeKind::Sink { reject: true, .. });
+                source.left(self.now, is_lost);
+            }
+            Place::Sink => {}
         }
         self.look_at(node);
         self.arrive(node, to, part);

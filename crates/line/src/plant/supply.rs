@@ -20,6 +20,13 @@ pub(super) struct Source {
     /// Whether the next part is due; if not, it is due at `next_due`.
     due: bool,
     next_due: f64,
+    /// Time since which the part at the outlet waits.
+    waits_since: f64,
+    /// Seconds in which a part waited, until the last one left.
+    blocked_seconds: f64,
+    /// Number of parts that have left, and of those that went into a sink with `rejects`.
+    passed: u64,
+    lost: u64,
 }
 
 impl Source {
@@ -39,7 +46,39 @@ impl Source {
             interval,
             due: true,
             next_due: 0.0,
+            waits_since: 0.0,
+            blocked_seconds: 0.0,
+            passed: 0,
+            lost: 0,
         }
+    }
+
+    /// The part at the outlet leaves, perhaps for a sink with `rejects`.
+    pub(super) fn left(&mut self, now: f64, is_lost: bool) {
+        self.blocked_seconds += now - self.waits_since;
+        self.passed += 1;
+        self.lost += u64::from(is_lost);
+    }
+
+    /// Forgets what has been counted.
+    pub(super) fn forget(&mut self, now: f64) {
+        self.waits_since = now;
+        self.blocked_seconds = 0.0;
+        self.passed = 0;
+        self.lost = 0;
+    }
+
+    /// Closes the accounts of a run of this many seconds. `waits` states whether a part is at the
+    /// outlet. Returns the number of parts that have left, the share of the time in which a part
+    /// waited, and the share of the parts that were lost.
+    pub(super) fn close(&self, now: f64, seconds: f64, waits: bool) -> (u64, f64, f64) {
+        let waiting = if waits { now - self.waits_since } else { 0.0 };
+        let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        (
+            self.passed,
+            share(self.blocked_seconds + waiting, seconds),
+            share(self.lost as f64, self.passed as f64),
+        )
     }
 
     /// Sets the number of parts that are still to be made on order.
@@ -113,6 +152,7 @@ impl Run<'_> {
             return None;
         }
         source.made += 1;
+        source.waits_since = self.now;
         if let Some(left) = &mut source.left_to_make {
             *left -= 1;
         }

@@ -76,7 +76,8 @@ impl Run<'_> {
                     belt.carried = 0;
                 }
                 Place::Buffer(buffer) => buffer.forget(now),
-                Place::Source(_) | Place::Sink | Place::Store(_) => {}
+                Place::Source(source) => source.forget(now),
+                Place::Sink | Place::Store(_) => {}
             }
         }
         self.counters.forget(now, self.seed);
