@@ -7,6 +7,7 @@ use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::time;
 use crate::contract::machine::Machine;
+use crate::contract::set::Setting;
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::simulation::{self, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
@@ -14,6 +15,7 @@ use crate::engine::{lines, machines};
 use crate::line::{Count, Options};
 use crate::report;
 use clap::Args;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The arguments of `run`.
@@ -21,6 +23,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
     linewright run examples/ice-lab/line.lw --parts 50
     linewright run examples/ice-lab/line.lw --until 8h --seed 7 --replications 10
+    linewright run examples/ice-lab/line.lw --parts 50 --set printer.time='40 s'
 
 TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).")]
 pub struct Arguments {
@@ -36,6 +39,15 @@ pub struct Arguments {
     /// Count nothing until this simulation time, because the line is still filling; `auto` finds it
     #[arg(long, value_name = "TIME", value_parser = warm_up, allow_negative_numbers = true)]
     pub warm_up: Option<WarmUp>,
+    /// Set a number of the line for this run, such as `capper.takes='2 s'`; repeatable
+    #[arg(
+        long,
+        value_name = "NAME=VALUE",
+        allow_hyphen_values = true,
+        long_help = "Set a number of the line for this run, such as `capper.takes='2 s'` or `belt.places=8`; repeatable. The value is checked as if it \
+stood in the file. A number of a machine is set for one station only. A wrong name is answered with the names that there are"
+    )]
+    pub set: Vec<Setting>,
     /// Random seed
     #[arg(
         long,
@@ -94,11 +106,19 @@ fn precision(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("`{text}` is not a precision: write for example `1%`, or `0.01`"))
 }
 
+/// Names and values of settings, by name, so that their order does not matter.
+fn settings_by_name(settings: &[Setting]) -> BTreeMap<&str, &str> {
+    settings.iter().map(|s| (s.name(), s.value())).collect()
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let settings = options.settings();
-    let loaded = match arguments.selection.load("run", options)? {
+    let loaded = match arguments
+        .selection
+        .load_with(&arguments.set, "run", options)?
+    {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
@@ -137,8 +157,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(synthesis.findings());
     let controlled: Vec<_> = synthesis.controlled().collect();
     if synthesis.is_complete() {
-        for machine in &controlled {
-            findings.extend(synthesis.judge(machine, &settings));
+        for (index, machine) in controlled.iter().enumerate() {
+            // A machine that was set for one station differs in times only.
+            let mut earlier = controlled[..index].iter();
+            if !earlier.any(|m| machines::has_same_proofs(m.machine, machine.machine)) {
+                findings.extend(synthesis.judge(machine, &settings));
+            }
         }
     }
     if !synthesis.is_complete() || has_errors(&findings) {
@@ -175,7 +199,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         rebuild: arguments.rebuild,
     };
     let folder = arguments.out.as_deref().unwrap_or(&default);
-    match simulation::simulate(line, &controlled, folder, &run_options) {
+    let simulate = if arguments.set.is_empty() {
+        simulation::simulate
+    } else {
+        simulation::simulate_in_study
+    };
+    let set = settings_by_name(&arguments.set);
+    match simulate(line, &controlled, folder, &run_options) {
         Ok(run) => {
             findings.extend(run.replications.findings.clone());
             let trace = &run.traces[0];
@@ -187,11 +217,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                     let mut document = report::json(line, trace, several, seconds);
                     document["findings"] =
                         serde_json::to_value(json::findings(sources, &findings))?;
+                    if !set.is_empty() {
+                        document["set"] = serde_json::to_value(&set)?;
+                    }
                     console.document(&document)?;
                 }
                 Format::Sarif => console.failed("run", sources, &findings)?,
                 Format::Human | Format::Short => {
-                    console.result(&report::table(line, trace, several))?;
+                    let head = report::settings(&set);
+                    console.result(&(head + &report::table(line, trace, several)))?;
                     console.findings(sources, &findings)?;
                 }
             }

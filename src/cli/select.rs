@@ -3,6 +3,7 @@
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::outline;
+use crate::contract::set::{Setting, Settings};
 use crate::diagnostics::{codes, has_errors};
 use crate::engine::files::{self, LoadedFiles};
 use crate::source::Span;
@@ -46,6 +47,16 @@ impl Selection {
         Self::if_valid(self.read(options), command, options)
     }
 
+    /// Like [`Selection::load`], with numbers of the selected line set from outside of its file.
+    pub fn load_with(
+        &self,
+        settings: &[Setting],
+        command: &str,
+        options: &GlobalOptions,
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
+        Self::if_valid(self.read_with(settings, options), command, options)
+    }
+
     /// Like [`Selection::load`], for a command that needs only the declaration with that name:
     /// findings in other declarations are dropped, unless a file cannot be read or parsed.
     pub fn load_alone(
@@ -71,8 +82,16 @@ impl Selection {
     }
 
     fn read(&self, options: &GlobalOptions) -> LoadedFiles {
+        self.read_with(&[], options)
+    }
+
+    fn read_with(&self, settings: &[Setting], options: &GlobalOptions) -> LoadedFiles {
         let standard = files::StandardLibrary::new(options.library.clone());
-        files::load(std::slice::from_ref(&self.path), &standard)
+        let settings = Settings {
+            line: self.name.as_deref(),
+            list: settings,
+        };
+        files::load_with(std::slice::from_ref(&self.path), &standard, settings)
     }
 
     fn if_valid(

@@ -11,6 +11,7 @@ use include_dir::{Dir, include_dir};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use linewright_interchange::{self as interchange, Format, Reading};
+use linewright_language::contract::set::{SettableNumber, Settings};
 use linewright_language::contract::{self, Contract, Library};
 use linewright_station::disk;
 use std::cell::RefCell;
@@ -236,6 +237,15 @@ impl LoadedFiles {
 /// Loads files and folders with everything they import. Without a path, loads `./contracts`, or
 /// else the whole bundled library.
 pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
+    load_with(paths, standard, Settings::default())
+}
+
+/// Like [`load`], with numbers of one line set from outside of its file.
+pub fn load_with(
+    paths: &[String],
+    standard: &StandardLibrary,
+    settings: Settings<'_>,
+) -> LoadedFiles {
     let mut loaded = LoadedFiles::default();
     let mut files: Vec<(String, String)> = Vec::new();
     let mut names = Names::default();
@@ -267,14 +277,15 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
         .into_iter()
         .partition(|(name, _)| Format::from_path(name).is_some());
     let (missing, names) = (RefCell::new(Vec::new()), RefCell::new(names));
-    let (library, findings) = contract::load(&own, &|path, importer| {
+    let loader = |path: &str, importer: &str| {
         let read = standard.import(path, importer);
         if read.is_err() {
             missing.borrow_mut().push(imported_name(path, importer));
         }
         let (name, text) = read?;
         Ok((names.borrow_mut().of(name, standard), text))
-    });
+    };
+    let (library, findings) = contract::load_with(&own, &loader, settings);
     loaded.missing = missing.into_inner();
     let mut names = names.into_inner();
     loaded.library = library;
@@ -286,6 +297,21 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
     }
     loaded.places = names.0.into_keys().collect();
     loaded
+}
+
+/// Returns the numbers of a line that can be set; see [`contract::settable`].
+///
+/// # Errors
+/// Returns the reason if the file cannot be read.
+pub fn settable(
+    path: &str,
+    standard: &StandardLibrary,
+    line: Option<&str>,
+) -> Result<Vec<SettableNumber>, String> {
+    let name = clean(Path::new(path));
+    let text = read(Path::new(path))?;
+    let loader = |path: &str, importer: &str| standard.import(path, importer);
+    Ok(contract::settable(&[(name, text)], &loader, line))
 }
 
 /// Returns the given paths, or the default folder if there are none. An empty result stands for the

@@ -26,6 +26,7 @@ pub mod lines;
 pub mod machine;
 pub mod machines;
 pub mod output;
+mod parametrized;
 pub mod pipeline;
 pub mod play;
 pub mod project;

@@ -2,6 +2,7 @@
 
 use crate::controlled::ControlledMachine;
 use crate::libraries;
+use crate::parametrized::{ParametrizedController, ParametrizedMachine};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::Line;
 use linewright_line::replicate::replicate;
@@ -49,7 +50,60 @@ pub fn simulate(
     folder: &Path,
     options: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
-    let libraries = build(machines, folder, options)?;
+    let packaged = machines.par_iter().map(Packaged::whole).collect();
+    run(line, machines, packaged, folder, options)
+}
+
+/// Like [`simulate`], for a run of a study: the libraries do not contain the times and powers of
+/// actions, so that runs with other times use the same libraries. The results are the same.
+///
+/// # Errors
+/// As [`simulate`].
+pub fn simulate_in_study(
+    line: &Line,
+    machines: &[ControlledMachine<'_>],
+    folder: &Path,
+    options: &SimulationOptions,
+) -> Result<Run, Vec<Diagnostic>> {
+    let packaged = machines.par_iter().map(Packaged::parametrized).collect();
+    run(line, machines, packaged, folder, options)
+}
+
+/// The library of a machine, and the values of the parameters that only the library has.
+struct Packaged {
+    package: Package,
+    values: Vec<f64>,
+}
+
+impl Packaged {
+    fn whole(controlled: &ControlledMachine<'_>) -> Self {
+        Self {
+            package: libraries::package(controlled, &Profile::assumed()),
+            values: Vec::new(),
+        }
+    }
+
+    fn parametrized(controlled: &ControlledMachine<'_>) -> Self {
+        let ParametrizedMachine { machine, values } = ParametrizedMachine::new(controlled.machine);
+        let controlled = ControlledMachine {
+            machine: &machine,
+            controllers: controlled.controllers.clone(),
+        };
+        Self {
+            values,
+            ..Self::whole(&controlled)
+        }
+    }
+}
+
+fn run(
+    line: &Line,
+    machines: &[ControlledMachine<'_>],
+    packaged: Vec<Packaged>,
+    folder: &Path,
+    options: &SimulationOptions,
+) -> Result<Run, Vec<Diagnostic>> {
+    let libraries = build(packaged, folder, options)?;
     let line = Arc::new(line.clone());
     let plant = || {
         let controllers = instances(&line, machines, &libraries)?;
@@ -77,17 +131,27 @@ pub fn simulate(
     })
 }
 
-/// Builds the libraries of the machines, in machine order.
+/// A loaded library, and the values of the parameters that only the library has.
+struct LoadedLibrary {
+    library: Arc<Library>,
+    values: Vec<f64>,
+}
+
+/// Builds and loads libraries, in order. Equal packages are built once.
 fn build(
-    machines: &[ControlledMachine<'_>],
+    packaged: Vec<Packaged>,
     folder: &Path,
     options: &SimulationOptions,
-) -> Result<Vec<Arc<Library>>, Vec<Diagnostic>> {
-    let profile = Profile::assumed();
-    let packages: Vec<Package> = machines
-        .par_iter()
-        .map(|m| libraries::package(m, &profile))
-        .collect();
+) -> Result<Vec<LoadedLibrary>, Vec<Diagnostic>> {
+    let mut packages: Vec<Package> = Vec::new();
+    let mut uses: Vec<(usize, Vec<f64>)> = Vec::new();
+    for Packaged { package, values } in packaged {
+        let known = packages.iter().position(|p| *p == package);
+        uses.push((known.unwrap_or(packages.len()), values));
+        if known.is_none() {
+            packages.push(package);
+        }
+    }
     let toolchain = Toolchain::host().with_deadline(options.options.deadline);
     let mut findings = Vec::new();
     let mut libraries = Vec::new();
@@ -104,7 +168,11 @@ fn build(
         }
     }
     if findings.is_empty() {
-        Ok(libraries)
+        let loaded = uses.into_iter().map(|(index, values)| LoadedLibrary {
+            library: Arc::clone(&libraries[index]),
+            values,
+        });
+        Ok(loaded.collect())
     } else {
         Err(findings)
     }
@@ -114,7 +182,7 @@ fn build(
 fn instances(
     line: &Line,
     machines: &[ControlledMachine<'_>],
-    libraries: &[Arc<Library>],
+    libraries: &[LoadedLibrary],
 ) -> Result<BTreeMap<usize, Box<dyn Controller>>, Vec<Diagnostic>> {
     let mut findings = Vec::new();
     let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
@@ -126,11 +194,16 @@ fn instances(
             .iter()
             .position(|c| std::ptr::eq(c.machine, Arc::as_ptr(machine)))
             .map(|i| &libraries[i]);
-        match library.map(Library::instance) {
-            Some(Ok(instance)) => {
+        let instance = library.map(|l| (l.library.instance(), &l.values));
+        match instance {
+            Some((Ok(instance), values)) if values.is_empty() => {
                 controllers.insert(index, Box::new(instance));
             }
-            Some(Err(error)) => findings.push(
+            Some((Ok(instance), values)) => {
+                let controller = ParametrizedController::new(instance, values.clone());
+                controllers.insert(index, Box::new(controller));
+            }
+            Some((Err(error), _)) => findings.push(
                 Diagnostic::error(
                     codes::LIBRARY_CALL,
                     node.span,

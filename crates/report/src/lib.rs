@@ -8,6 +8,6 @@ mod json;
 mod table;
 
 pub use json::{RUN_SCHEMA, json};
-pub use table::table;
+pub use table::{settings, table};
 
 const JOULES_PER_KWH: f64 = 3.6e6;

@@ -5,6 +5,7 @@ use linewright_language::contract::line::{Comparison, Line, Metric};
 use linewright_line::trace::{End, clock, duration};
 use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// Returns a run as text that ends with a line break. If there are `replications`, the requirements
@@ -25,6 +26,15 @@ pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) ->
             replicated(&mut out, replications);
         }
         None => requirements(&mut out, line, trace),
+    }
+    out
+}
+
+/// Returns the numbers that were set for a run, one per line, for the head of its table.
+pub fn settings(set: &BTreeMap<&str, &str>) -> String {
+    let mut out = String::new();
+    for (name, value) in set {
+        let _ = writeln!(out, "  {:<12} {name} = {value}", "set");
     }
     out
 }

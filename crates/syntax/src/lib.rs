@@ -10,8 +10,10 @@ pub mod format;
 mod mend;
 mod parser;
 mod spans;
+mod value;
 mod words;
 
 pub use mend::{begins_skill_set, declares_inner_machine, declares_skill_set};
-pub use parser::parse;
+pub use parser::{parse, parse_value};
+pub use value::{Value, ValueSyntax};
 pub use words::{is_reserved, reserved_words};

@@ -10,6 +10,7 @@ mod skills;
 use super::ast::File;
 use super::build::Builder;
 use super::mend;
+use super::value::{Value, ValueSyntax};
 use super::words::is_reserved;
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
 use linewright_core::source::{FileId, Span};
@@ -70,6 +71,49 @@ pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
         finding.span = finding.span.map(|s| within(s, text));
     }
     (tree, findings)
+}
+
+/// Parses a value that stands alone: the text from byte `from` on, which is a character boundary.
+///
+/// # Errors
+/// Returns the findings if the text is not such a value.
+pub fn parse_value(
+    file: FileId,
+    text: &str,
+    from: usize,
+    syntax: ValueSyntax,
+) -> Result<Value, Vec<Diagnostic>> {
+    // Blanks in the place of the text before the value keep all offsets.
+    let source = " ".repeat(from) + &text[from..];
+    let scan = mend::scan(file, &source);
+    if scan.depth > MAX_DEPTH {
+        return Err(vec![too_deep(file, scan.deepest)]);
+    }
+    if !scan.findings.is_empty() {
+        return Err(scan.findings);
+    }
+    let run = || {
+        let mut builder = Builder::new(file, text.len());
+        match Grammar::parse(syntax.rule(), &source) {
+            Ok(pairs) => {
+                let value = builder.value(pairs, syntax);
+                if builder.findings.is_empty() {
+                    Ok(value)
+                } else {
+                    Err(builder.findings)
+                }
+            }
+            Err(error) => {
+                let mut finding = finding_of(file, 0, &source, &error);
+                finding.span = finding.span.map(|span| within(span, text));
+                Err(vec![finding])
+            }
+        }
+    };
+    if scan.depth <= SMALL_DEPTH {
+        return run();
+    }
+    on_large_stack(run).unwrap_or_else(|| Err(vec![too_deep(file, scan.deepest)]))
 }
 
 fn on_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Option<T> {

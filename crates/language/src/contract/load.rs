@@ -2,6 +2,7 @@
 
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
+use super::set::{Changes, SettableNumber, Settings, Target};
 use super::uses::{self, PossibleUses};
 use super::{Library, Loader, lines, machines, skills};
 use crate::order::Skills;
@@ -14,12 +15,21 @@ use std::sync::Arc;
 struct File {
     id: FileId,
     tree: ast::File,
+    /// The tree as written, if numbers in it were set from outside.
+    written: Option<ast::File>,
     /// Indices of the imported files.
     imports: Vec<usize>,
     /// Positions of syntax errors.
     syntax_errors: Vec<Span>,
     /// Whether the caller requested the file; otherwise it is only imported.
     is_requested: bool,
+}
+
+impl File {
+    /// The tree as written.
+    fn written(&self) -> &ast::File {
+        self.written.as_ref().unwrap_or(&self.tree)
+    }
 }
 
 struct Reader<'l> {
@@ -33,29 +43,29 @@ struct Reader<'l> {
 /// Parses and resolves files (name and text) and all their imports. Returns the library of all
 /// declarations without errors, and the findings, sorted by position.
 pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Diagnostic>) {
-    let mut reader = Reader {
-        sources: SourceMap::new(),
-        files: Vec::new(),
-        by_name: BTreeMap::new(),
-        loader,
-        findings: Vec::new(),
-    };
-    for (name, text) in files {
-        reader.read(name, text, &mut Vec::new());
-    }
+    load_with(files, loader, Settings::default())
+}
+
+/// Like [`load`], with numbers of one line set from outside.
+pub fn load_with(
+    files: &[(String, String)],
+    loader: &Loader<'_>,
+    settings: Settings<'_>,
+) -> (Library, Vec<Diagnostic>) {
     let Reader {
-        sources,
-        files,
+        mut sources,
+        mut files,
         mut findings,
         ..
-    } = reader;
+    } = Reader::of(files, loader);
+    let changes = set(&mut files, settings, &mut sources, &mut findings);
     let mut library = Library::default();
     let sets: Vec<Vec<Option<Arc<Skills>>>> = files
         .iter()
         .map(|file| skill_sets(&file.tree, &sources, &mut findings))
         .collect();
     for index in 0..files.len() {
-        let mut scope = Scope::default();
+        let mut scope = Scope::with(&changes.variants);
         let mut own = Vec::new();
         for file in closure(&files, index) {
             scope.add(&files[file].tree, &sets[file], &mut own);
@@ -65,6 +75,7 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
         resolve(&files[index], &scope, &sources, &mut library, &mut findings);
         add_skill_sets(&files[index].tree, &sets[index], &mut library);
     }
+    changes.relocate(&mut findings);
     for index in 0..files.len() {
         let mut found = unused(&files, index, &sources, &findings);
         findings.append(&mut found);
@@ -94,7 +105,96 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
     (library, unique)
 }
 
-impl Reader<'_> {
+/// Returns the numbers of a line that can be set with [`load_with`]; none if there is no such line.
+pub fn settable(
+    files: &[(String, String)],
+    loader: &Loader<'_>,
+    line: Option<&str>,
+) -> Vec<SettableNumber> {
+    let reader = Reader::of(files, loader);
+    let Some((index, name)) = line_to_set(&reader.files, line) else {
+        return Vec::new();
+    };
+    target(&reader.files, index, name).settable(&reader.sources)
+}
+
+/// Sets numbers of a line. Without such a line, nothing is set: the caller reports it.
+fn set(
+    files: &mut [File],
+    settings: Settings<'_>,
+    sources: &mut SourceMap,
+    findings: &mut Vec<Diagnostic>,
+) -> Changes {
+    if settings.list.is_empty() {
+        return Changes::default();
+    }
+    let Some((index, name)) = line_to_set(files, settings.line) else {
+        return Changes::default();
+    };
+    let mut target = target(files, index, name);
+    let changes = target.apply(settings.list, sources, findings);
+    let items = target.items;
+    let places = files[index].tree.places.clone();
+    let tree = ast::File { items, places };
+    files[index].written = Some(std::mem::replace(&mut files[index].tree, tree));
+    changes
+}
+
+/// Finds the line with this name, first in the requested files; or else the only line of the
+/// requested files. Returns the index of its file, and its name.
+fn line_to_set<'f>(files: &'f [File], name: Option<&str>) -> Option<(usize, &'f ast::Name)> {
+    let lines = files.iter().enumerate().flat_map(|(index, file)| {
+        file.tree.items.iter().filter_map(move |item| match item {
+            ast::Item::Line(line) => Some((index, &line.name)),
+            _ => None,
+        })
+    });
+    let requested = lines.clone().filter(|(i, _)| files[*i].is_requested);
+    match name {
+        Some(name) => requested.chain(lines).find(|(_, n)| n.text == name),
+        None => {
+            let mut requested = requested;
+            requested.next().filter(|_| requested.next().is_none())
+        }
+    }
+}
+
+/// A line in its file, as [`set::Target`](super::set) needs it.
+fn target<'f>(files: &'f [File], index: usize, line: &'f ast::Name) -> Target<'f> {
+    let visible = closure(files, index);
+    let mut machines = BTreeMap::new();
+    for item in visible.iter().flat_map(|file| &files[*file].tree.items) {
+        if let ast::Item::Machine(machine) = item {
+            let name = machine.header.name.text.as_str();
+            machines.entry(name).or_insert(machine);
+        }
+    }
+    Target {
+        items: files[index].tree.items.clone(),
+        line,
+        machines,
+        is_malformed: visible
+            .iter()
+            .any(|file| !files[*file].syntax_errors.is_empty()),
+    }
+}
+
+impl<'l> Reader<'l> {
+    /// Reads files with all their imports.
+    fn of(files: &[(String, String)], loader: &'l Loader<'l>) -> Self {
+        let mut reader = Self {
+            sources: SourceMap::new(),
+            files: Vec::new(),
+            by_name: BTreeMap::new(),
+            loader,
+            findings: Vec::new(),
+        };
+        for (name, text) in files {
+            reader.read(name, text, &mut Vec::new());
+        }
+        reader
+    }
+
     /// Reads a file and its imports, unless the file has already been read, and returns its index.
     /// `path` is the chain of imports that leads to this file.
     fn read(&mut self, name: &str, text: &str, path: &mut Vec<usize>) -> usize {
@@ -120,6 +220,7 @@ impl Reader<'_> {
         self.files.push(File {
             id,
             tree,
+            written: None,
             imports: Vec::new(),
             syntax_errors,
             is_requested: path.is_empty(),
@@ -217,8 +318,8 @@ fn unused(
         errors: errors.filter_map(|f| f.span).collect(),
     };
     let end = sources.file(file.id).text.len();
-    let starts: Vec<usize> = file.tree.items.iter().map(start).collect();
-    let everything = files.iter().flat_map(|f| &f.tree.items);
+    let starts: Vec<usize> = file.written().items.iter().map(start).collect();
+    let everything = files.iter().flat_map(|f| &f.written().items);
     let machines: Vec<&ast::Machine> = everything
         .clone()
         .filter_map(|i| match i {
@@ -233,7 +334,7 @@ fn unused(
         })
         .collect();
     let mut found = Vec::new();
-    for (i, item) in file.tree.items.iter().enumerate() {
+    for (i, item) in file.written().items.iter().enumerate() {
         // The extent of an item reaches to the next item, because an error between two items can
         // belong to the first of them.
         let next = starts.get(i + 1).copied().unwrap_or(end);
@@ -252,7 +353,7 @@ fn unused(
         .iter()
         .any(|i| !files[*i].syntax_errors.is_empty());
     if file.is_requested && !hidden {
-        let trees: Vec<&ast::File> = importers.iter().map(|i| &files[*i].tree).collect();
+        let trees: Vec<&ast::File> = importers.iter().map(|i| files[*i].written()).collect();
         let whole = Span::new(file.id, 0, end);
         for (_, span) in &mut doubt.unknown {
             // An undeclared name in an importing file can be a misspelled use of any declaration in
@@ -260,7 +361,7 @@ fn unused(
             let importer = importers.iter().any(|i| files[*i].id == span.file);
             *span = if importer { whole } else { *span };
         }
-        found.extend(uses::file(&file.tree, &trees, whole, &doubt));
+        found.extend(uses::file(file.written(), &trees, whole, &doubt));
     }
     found
 }

@@ -14,13 +14,14 @@ mod machines;
 mod patterns;
 mod routes;
 mod scope;
+pub mod set;
 mod shape;
 mod skills;
 mod units;
 mod uses;
 mod value;
 
-pub use load::load;
+pub use load::{load, load_with, settable};
 pub use units::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration, is_energy};
 
 use crate::order::Skills;

@@ -1,6 +1,7 @@
 //! The scope of a file: its own declarations and those of everything that it imports.
 
 use super::elaborate::{Elaborator, FileNames, Findings, Names, fitted_value};
+use super::set::Variants;
 use super::shape::Shape;
 use super::units::Unit;
 use super::value::{Term, Type, Value};
@@ -17,6 +18,8 @@ use std::sync::Arc;
 pub(super) struct Scope<'a> {
     pub contracts: BTreeMap<&'a str, &'a ast::Contract>,
     pub machines: BTreeMap<&'a str, &'a ast::Machine>,
+    /// Machines that replace the declared ones at single places of a line.
+    pub variants: Option<&'a Variants>,
     /// Skill sets; `None` for those that cannot be used because of errors.
     pub skills: BTreeMap<&'a str, Option<Arc<Skills>>>,
     types: Vec<&'a ast::TypeDecl>,
@@ -33,6 +36,14 @@ pub(super) struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
+    /// Creates a scope without declarations. `variants` replace declared machines at single places.
+    pub fn with(variants: &'a Variants) -> Self {
+        Self {
+            variants: Some(variants),
+            ..Self::default()
+        }
+    }
+
     /// Adds the declarations of one file. `skills` are its resolved skill sets, in order. Reports
     /// names that are already declared.
     pub fn add(

@@ -15,6 +15,7 @@ use super::ast::{
     Argument, ConstDecl, Define, File, Formal, Header, Import, Item, Name, Parameter, TypeDecl,
 };
 use super::parser::{Rule, explain};
+use super::value::{Value, ValueSyntax};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use pest::iterators::{Pair, Pairs};
@@ -127,6 +128,29 @@ impl Builder {
                 }
                 Rule::bad_item => self.bad(&pair),
                 _ => {}
+            }
+        }
+    }
+
+    /// Builds a value that stands alone.
+    pub fn value(&mut self, pairs: Pairs<'_, Rule>, syntax: ValueSyntax) -> Value {
+        let pairs: Vec<_> = pairs.flat_map(Pair::into_inner).collect();
+        let mut c = Children {
+            pairs: pairs.into_iter().peekable(),
+        };
+        match syntax {
+            ValueSyntax::Count => Value::Count(self.count(&c.next())),
+            ValueSyntax::Duration | ValueSyntax::Interval => {
+                let random = c.take(Rule::random).is_some();
+                Value::Duration(self.duration(c.next()), random)
+            }
+            ValueSyntax::Expression
+            | ValueSyntax::ActionTime
+            | ValueSyntax::Bound
+            | ValueSyntax::Limit => {
+                let value = self.expr(c.next());
+                let words = c.pairs.peek().is_some_and(|p| p.as_rule() != Rule::EOI);
+                Value::Expression(value, words)
             }
         }
     }

@@ -201,8 +201,14 @@ impl<'a> Builder<'a, '_> {
             );
             return None;
         };
+        let variant = self.scope.variants.and_then(|v| v.get(&name.span));
+        let decl = variant.unwrap_or(decl);
         let given = instantiate::machine_arguments(&mut self.e, decl, arguments);
-        let key = (name.text.clone(), format!("{:?}", values_of(&given)));
+        let key = (
+            name.text.clone(),
+            format!("{:?}", values_of(&given)),
+            variant.map(|_| name.span),
+        );
         if let Some(machine) = self.machines.get(&key) {
             return Some(Arc::clone(machine));
         }
