@@ -43,7 +43,6 @@ pub struct Arguments {
     #[arg(
         long,
         value_name = "NAME=VALUE",
-        allow_hyphen_values = true,
         long_help = "Set a number of the line for this run, such as `capper.takes='2 s'` or `belt.places=8`; repeatable. The value is checked as if it \
 stood in the file. A number of a machine is set for one station only. A wrong name is answered with the names that there are"
     )]

@@ -83,6 +83,11 @@ pub fn parse_value(
     from: usize,
     syntax: ValueSyntax,
 ) -> Result<Value, Vec<Diagnostic>> {
+    if text[from..].trim().is_empty() {
+        let place = Span::new(file, from, text.len());
+        let finding = Diagnostic::error(codes::SYNTAX, place, "the value is missing");
+        return Err(vec![finding.with_help("write it after the `=`")]);
+    }
     // Blanks in the place of the text before the value keep all offsets.
     let source = " ".repeat(from) + &text[from..];
     let scan = mend::scan(file, &source);
@@ -106,6 +111,9 @@ pub fn parse_value(
             Err(error) => {
                 let mut finding = finding_of(file, 0, &source, &error);
                 finding.span = finding.span.map(|span| within(span, text));
+                // The value is all that there is.
+                let help = finding.help.take();
+                finding.help = help.map(|help| help.replace("end of the item", "end"));
                 Err(vec![finding])
             }
         }

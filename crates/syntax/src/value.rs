@@ -9,7 +9,7 @@ pub enum ValueSyntax {
     /// An expression.
     Expression,
     /// A duration, or the distribution from which it is drawn.
-    Duration,
+    Time,
     /// A duration, optionally with `random` before it.
     Interval,
     /// The time of an action: an expression, optionally followed by `per step`.
@@ -27,7 +27,7 @@ impl ValueSyntax {
     pub(super) fn rule(self) -> Rule {
         match self {
             Self::Expression => Rule::only_expression,
-            Self::Duration => Rule::only_duration,
+            Self::Time => Rule::only_duration,
             Self::Interval => Rule::only_interval,
             Self::ActionTime => Rule::only_time,
             Self::Bound => Rule::only_bound,
@@ -44,7 +44,7 @@ pub enum Value {
     /// An expression.
     Expression(Expr, bool),
     /// A duration.
-    Duration(TimeValue, bool),
+    Time(TimeValue, bool),
     /// A whole number.
     Count(u64),
 }

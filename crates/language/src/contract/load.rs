@@ -149,14 +149,11 @@ fn line_to_set<'f>(files: &'f [File], name: Option<&str>) -> Option<(usize, &'f 
             _ => None,
         })
     });
-    let requested = lines.clone().filter(|(i, _)| files[*i].is_requested);
-    match name {
-        Some(name) => requested.chain(lines).find(|(_, n)| n.text == name),
-        None => {
-            let mut requested = requested;
-            requested.next().filter(|_| requested.next().is_none())
-        }
+    let mut requested = lines.clone().filter(|(i, _)| files[*i].is_requested);
+    if let Some(name) = name {
+        return requested.chain(lines).find(|(_, n)| n.text == name);
     }
+    requested.next().filter(|_| requested.next().is_none())
 }
 
 /// A line in its file, as [`set::Target`](super::set) needs it.

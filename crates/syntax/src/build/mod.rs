@@ -140,9 +140,9 @@ impl Builder {
         };
         match syntax {
             ValueSyntax::Count => Value::Count(self.count(&c.next())),
-            ValueSyntax::Duration | ValueSyntax::Interval => {
+            ValueSyntax::Time | ValueSyntax::Interval => {
                 let random = c.take(Rule::random).is_some();
-                Value::Duration(self.duration(c.next()), random)
+                Value::Time(self.duration(c.next()), random)
             }
             ValueSyntax::Expression
             | ValueSyntax::ActionTime

@@ -36,8 +36,8 @@ struct Builder<'a, 's> {
     /// unknown.
     unparsed: &'a [String],
     parts: Vec<Part>,
-    /// Machines by name, arguments, and place if the declaration is for one place only. Stations with
-    /// the same machine and arguments share an instance.
+    /// Machines by name, arguments, and place if the declaration is for one place only. Stations
+    /// with the same machine and arguments share an instance.
     machines: BTreeMap<(String, String, Option<Span>), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,

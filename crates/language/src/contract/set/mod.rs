@@ -3,7 +3,7 @@
 //! Values are set in the syntax tree, after parsing and before names are resolved, so that they are
 //! checked as if they stood in the file. Each option is a source of its own, so that findings point
 //! into its text. A number of a machine is set for one station or conveyor only: the resolver gets
-//! a copy of the machine's declaration for that place ([`Variants`]).
+//! a copy of the machine's declaration for that place.
 
 mod slots;
 
@@ -82,6 +82,8 @@ pub struct SettableNumber {
     pub names: Vec<String>,
     /// Text of its value; `None` if the statement is absent and has a default.
     pub value: Option<String>,
+    /// Place of its value; `None` for a whole number, which has no place in the tree.
+    pub place: Option<Span>,
 }
 
 /// A line in its file, with everything that settings refer to.
@@ -101,20 +103,19 @@ pub(super) struct Target<'t> {
 pub(super) struct Changes {
     /// The machines that replace shared ones.
     pub variants: Variants,
-    /// For whole numbers, which have no place in the tree: where the resolver reports a wrong one,
-    /// and the place of the option's value.
+    /// Where the resolver may report a wrong value, and the place of the option's value.
     moved: Vec<(Span, Span)>,
 }
 
 impl Changes {
-    /// Moves findings about whole numbers to the text of their options.
+    /// Moves findings about values to the text of their options.
     pub fn relocate(&self, findings: &mut [Diagnostic]) {
-        for finding in findings.iter_mut().filter(|f| f.code == codes::ARGUMENT) {
-            let moved = self
-                .moved
-                .iter()
-                .find(|(from, _)| finding.span == Some(*from));
-            if let Some((_, to)) = moved {
+        let about_value = [codes::ARGUMENT, codes::TYPE_MISMATCH];
+        for finding in findings {
+            let here = |(from, _): &&(Span, Span)| finding.span == Some(*from);
+            if about_value.contains(&finding.code)
+                && let Some((_, to)) = self.moved.iter().find(here)
+            {
                 finding.span = Some(*to);
             }
         }
@@ -152,15 +153,18 @@ impl Target<'_> {
     pub fn settable(&mut self, sources: &SourceMap) -> Vec<SettableNumber> {
         let known = self.known();
         let unique = unique_names(&known);
-        let numbers = known.iter().map(|slot| SettableNumber {
-            names: (slot.names.iter())
-                .filter(|name| unique.contains(name.as_str()))
-                .cloned()
-                .collect(),
-            value: slot.present.map(|present| match present {
-                Present::Text(span) => sources.text(span).to_owned(),
-                Present::Count(count) => count.to_string(),
-            }),
+        let numbers = known.iter().map(|slot| {
+            let names = slot.names.iter().filter(|n| unique.contains(n.as_str()));
+            let (value, place) = match slot.present {
+                None => (None, None),
+                Some(Present::Text(span)) => (Some(sources.text(span).to_owned()), Some(span)),
+                Some(Present::Count(count)) => (Some(count.to_string()), None),
+            };
+            SettableNumber {
+                names: names.cloned().collect(),
+                value,
+                place,
+            }
         });
         numbers.filter(|number| !number.names.is_empty()).collect()
     }
@@ -227,63 +231,71 @@ impl Target<'_> {
         changes
     }
 
+    /// Reports a name that no number has.
     fn unknown(&self, known: &[Known], name: &str, span: Span) -> Diagnostic {
         let line = &self.line.text;
-        let place = name.split('.').next().unwrap_or(name);
         let unique = unique_names(known);
-        let all = known.iter().flat_map(|slot| &slot.names);
-        let all = all.map(String::as_str).filter(|n| unique.contains(n));
-        let shortest = known.iter().filter_map(|slot| {
+        let of = |n: &str| n.split('.').next().unwrap_or(n).to_owned();
+        let rest_of = |n: &str| n.split_once('.').map_or("", |(_, rest)| rest).to_owned();
+        let (place, rest) = (of(name), rest_of(name));
+        // The shortest name of each number.
+        let mut shown: Vec<&str> = Vec::new();
+        for slot in known {
             let mut names = slot.names.iter().map(String::as_str);
-            names.find(|n| unique.contains(n))
-        });
-        let within: Vec<&str> = shortest
-            .clone()
-            .filter(|n| n.split('.').next() == Some(place))
-            .collect();
-        let near = nearest(name, all.clone());
+            shown.extend(names.find(|n| unique.contains(n)));
+        }
+        let numbers_of = |owner: &str| -> Vec<&str> {
+            let numbers = shown.iter().filter(|n| of(n) == owner);
+            numbers.copied().collect()
+        };
+        // The number of this place whose name is close to the given one.
+        let near_in = |owner: &str| -> Option<&str> {
+            let names: Vec<&str> = unique.iter().copied().filter(|n| of(n) == owner).collect();
+            let rests: Vec<String> = names.iter().map(|n| rest_of(n)).collect();
+            let near = nearest(&rest, rests.iter().map(String::as_str))?;
+            let at = rests.iter().position(|r| r == near)?;
+            Some(names[at])
+        };
+        let error = |message: String| Diagnostic::error(codes::NAME_UNKNOWN, span, message);
+        let within = numbers_of(&place);
         if !within.is_empty() {
             let list = format!("its numbers are {}", quoted(&within));
-            let help = near.map_or_else(
-                || list.clone(),
-                |near| format!("did you mean `{near}`? {list}"),
-            );
-            let message = format!("`{place}` has no number `{name}` that can be set");
-            return Diagnostic::error(codes::NAME_UNKNOWN, span, message).with_help(help);
+            let help = match near_in(&place) {
+                Some(near) => format!("did you mean `{near}`? {list}"),
+                None => list,
+            };
+            return error(format!("`{place}` has no number `{name}` that can be set"))
+                .with_help(help);
         }
-        let items = self.items.iter();
-        let declared = items.clone().any(|item| match item {
-            ast::Item::Line(l) => l.name.span == self.line.span && declares(l, place),
-            _ => false,
-        });
-        let message = if declared {
-            format!("`{place}` in the line `{line}` has no number that can be set")
-        } else {
-            format!("the line `{line}` has no `{place}` with a number that can be set")
-        };
-        let mut places: Vec<&str> = Vec::new();
-        for owner in shortest.filter_map(|n| n.split('.').next()) {
+        let mut places: Vec<String> = Vec::new();
+        for owner in shown.iter().map(|n| of(n)) {
             if !places.contains(&owner) {
                 places.push(owner);
             }
         }
-        let rest = name.strip_prefix(place).unwrap_or_default();
-        let help = match (nearest(place, places.iter().copied()), near) {
-            (Some(owner), _) if all.clone().any(|n| n == format!("{owner}{rest}")) => {
-                format!("did you mean `{owner}{rest}`?")
-            }
-            (_, Some(near)) => format!("did you mean `{near}`?"),
-            (Some(owner), None) => {
-                let numbers: Vec<&str> =
-                    all.filter(|n| n.split('.').next() == Some(owner)).collect();
-                format!(
-                    "did you mean `{owner}`? Its numbers are {}",
-                    quoted(&numbers)
-                )
-            }
-            (None, None) => format!("numbers belong to {}", quoted(&places)),
+        let places: Vec<&str> = places.iter().map(String::as_str).collect();
+        let declared = self.items.iter().any(|item| match item {
+            ast::Item::Line(l) => l.name.span == self.line.span && declares(l, &place),
+            _ => false,
+        });
+        if declared {
+            return error(format!("`{place}` has no number that can be set"))
+                .with_help(format!("`{line}` has numbers in {}", quoted(&places)));
+        }
+        let help = match nearest(&place, places.iter().copied()) {
+            Some(owner) => near_in(owner).map_or_else(
+                || {
+                    let numbers = quoted(&numbers_of(owner));
+                    format!("did you mean `{owner}`? its numbers are {numbers}")
+                },
+                |near| format!("did you mean `{near}`?"),
+            ),
+            None => format!("`{line}` has numbers in {}", quoted(&places)),
         };
-        Diagnostic::error(codes::NAME_UNKNOWN, span, message).with_help(help)
+        error(format!(
+            "`{line}` has no place, constant or requirement `{place}`"
+        ))
+        .with_help(help)
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) struct Slot<'t> {
     pub syntax: ValueSyntax,
     /// The present value; `None` if the statement is absent and has a default.
     pub present: Option<Present>,
-    /// Where the resolver reports a wrong whole number, which has no place of its own in the tree.
+    /// Where the resolver may report a wrong value, if not at the value itself.
     pub reported_at: Option<Span>,
     /// Replaces the value, or adds the statement.
     pub set: Box<dyn FnOnce(Value) + 't>,
@@ -74,13 +74,27 @@ pub(super) fn for_each(
 fn expression(value: Value) -> (Expr, bool) {
     match value {
         Value::Expression(value, words) => (value, words),
-        Value::Duration(..) | Value::Count(_) => unreachable!("another syntax was asked for"),
+        Value::Time(..) | Value::Count(_) => unreachable!("another syntax was asked for"),
     }
+}
+
+/// Whether an expression contains a name.
+fn has_name(value: &Expr) -> bool {
+    let mut found = false;
+    value.for_each_path(&mut |_| found = true);
+    found
+}
+
+/// Whether an expression contains a number with a unit.
+fn has_unit(value: &Expr) -> bool {
+    let children = value.children();
+    matches!(&value.kind, ast::ExprKind::Quantity(_, unit) if !unit.is_empty())
+        || children.into_iter().any(has_unit)
 }
 
 fn duration(value: Value) -> (TimeValue, bool) {
     match value {
-        Value::Duration(value, words) => (value, words),
+        Value::Time(value, words) => (value, words),
         Value::Expression(..) | Value::Count(_) => unreachable!("another syntax was asked for"),
     }
 }
@@ -88,7 +102,7 @@ fn duration(value: Value) -> (TimeValue, bool) {
 fn count(value: &Value) -> u64 {
     match value {
         Value::Count(count) => *count,
-        Value::Expression(..) | Value::Duration(..) => {
+        Value::Expression(..) | Value::Time(..) => {
             unreachable!("another syntax was asked for")
         }
     }
@@ -161,7 +175,7 @@ impl Slots<'_> {
 
     fn duration(&mut self, names: impl IntoIterator<Item = String>, value: &mut TimeValue) {
         let present = Some(Present::Text(value.span()));
-        self.slot(names, ValueSyntax::Duration, present, |new| {
+        self.slot(names, ValueSyntax::Time, present, |new| {
             *value = duration(new).0;
         });
     }
@@ -229,21 +243,22 @@ impl Slots<'_> {
                     name,
                     machine,
                     options,
-                } => self.conveyor(&name.text, machine.as_mut(), options, machines, variants),
+                } => self.conveyor(name, machine, options, machines, variants),
                 LineItem::Station {
                     name,
                     machine,
                     items,
-                } => self.station(&name.text, machine.as_mut(), items, machines, variants),
+                } => self.station(&name.text, machine, items, machines, variants),
                 LineItem::Requirement {
                     name,
                     bound,
                     per_hour,
+                    span,
                     ..
                 } => {
                     let names = [name.text.clone(), format!("{}.bound", name.text)];
                     let present = Some(Present::Text(bound.span));
-                    self.slot(names, ValueSyntax::Bound, present, |new| {
+                    self.slot_at(names, ValueSyntax::Bound, present, Some(*span), |new| {
                         let (new, words) = expression(new);
                         *bound = new;
                         *per_hour |= words;
@@ -252,7 +267,10 @@ impl Slots<'_> {
                 LineItem::Limit(value, products) => {
                     let present = Some(Present::Text(value.span));
                     self.slot(["limit".to_owned()], ValueSyntax::Limit, present, |new| {
-                        (*value, *products) = expression(new);
+                        let (new, words) = expression(new);
+                        // A bare number is in the present unit.
+                        *products = words || *products && !has_unit(&new);
+                        *value = new;
                     });
                 }
                 _ => {}
@@ -279,14 +297,19 @@ impl Slots<'_> {
 
     fn conveyor(
         &mut self,
-        name: &str,
-        machine: Option<&mut (Name, Vec<Argument>)>,
+        name: &Name,
+        machine: &mut Option<(Name, Vec<Argument>)>,
         options: &mut Vec<(Name, Expr)>,
         machines: &BTreeMap<&str, &ast::Machine>,
         variants: &mut Variants,
     ) {
+        let (name, at) = (name.text.as_str(), Some(name.span));
         for (word, value) in options.iter_mut() {
-            self.expression([format!("{name}.{}", word.text)], value);
+            let names = [format!("{name}.{}", word.text)];
+            let present = Some(Present::Text(value.span));
+            self.slot_at(names, ValueSyntax::Expression, present, at, |new| {
+                *value = expression(new).0;
+            });
         }
         self.end_tier();
         if let Some((machine, arguments)) = machine {
@@ -302,7 +325,7 @@ impl Slots<'_> {
         for word in ["places", "pitch", "speed", "power"] {
             if options.iter().all(|(option, _)| option.text != word) {
                 let names = [format!("{name}.{word}")];
-                self.slot(names, ValueSyntax::Expression, None, |new| {
+                self.slot_at(names, ValueSyntax::Expression, None, at, |new| {
                     let value = expression(new).0;
                     let text = word.to_owned();
                     let span = value.span;
@@ -315,7 +338,7 @@ impl Slots<'_> {
     fn station(
         &mut self,
         name: &str,
-        machine: Option<&mut (Name, Vec<Argument>)>,
+        machine: &mut Option<(Name, Vec<Argument>)>,
         items: &mut Vec<StationItem>,
         machines: &BTreeMap<&str, &ast::Machine>,
         variants: &mut Variants,
@@ -404,7 +427,7 @@ impl Slots<'_> {
             self.end_tier();
         }
         if !items.iter().any(|i| matches!(i, StationItem::Setup(_))) {
-            self.slot([statement("setup")], ValueSyntax::Duration, None, |new| {
+            self.slot([statement("setup")], ValueSyntax::Time, None, |new| {
                 items.push(StationItem::Setup(duration(new).0));
             });
         }
@@ -460,7 +483,8 @@ impl Slots<'_> {
                 self.expression([name], &mut argument.value);
                 continue;
             }
-            let default = parameter.default.as_ref();
+            // A default with names has a meaning only within the machine.
+            let default = parameter.default.as_ref().filter(|d| !has_name(d));
             let present = default.map(|default| Present::Text(default.span));
             self.slot([name], ValueSyntax::Expression, present, |new| {
                 let value = expression(new).0;
