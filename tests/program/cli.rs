@@ -16,3 +16,4 @@ mod names;
 mod outside;
 mod places;
 mod session;
+mod settings;
