@@ -23,7 +23,9 @@ impl<'a> Builder<'a, '_> {
                 format!("there cannot be {} stations of a kind", times.count),
                 format!("write a number from 1 to {MAX_COPIES}"),
             );
-        } else if let Some(node) = self.node_index.get(&name.text) {
+        } else if times.count > 1
+            && let Some(node) = self.node_index.get(&name.text)
+        {
             self.times.insert(*node, times.count as usize);
         }
     }

@@ -7,8 +7,8 @@
 
 use linewright_core::source::Span;
 use linewright_syntax::ast::{
-    self, Argument, Between, Component, Expr, Failures, LineItem, MachineItem, Name, PartCount,
-    Role, StationItem, Supply, TimeValue, TypedDecl,
+    self, Argument, Between, Component, Copies, Expr, Failures, LineItem, MachineItem, Name,
+    PartCount, Role, StationItem, Supply, TimeValue, TypedDecl,
 };
 use linewright_syntax::{Value, ValueSyntax};
 use std::collections::{BTreeMap, BTreeSet};
@@ -236,7 +236,7 @@ impl Slots<'_> {
                     self.optional_count(format!("{}.at_most", name.text), most, name.span);
                 }
                 LineItem::Store { name, stock } => self.counted(&name.text, stock),
-                LineItem::Buffer { name, capacity } => {
+                LineItem::Buffer { name, capacity, .. } => {
                     self.count([format!("{}.capacity", name.text)], capacity, name.span);
                 }
                 LineItem::Conveyor {
@@ -247,8 +247,18 @@ impl Slots<'_> {
                 LineItem::Station {
                     name,
                     machine,
+                    times,
                     items,
-                } => self.station(&name.text, machine, items, machines, variants),
+                } => {
+                    let present = Some(Present::Count(times.map_or(1, |times| times.count)));
+                    let names = [format!("{}.times", name.text)];
+                    let span = name.span;
+                    self.slot_at(names, ValueSyntax::Count, present, Some(span), |new| {
+                        let count = count(&new);
+                        *times = Some(Copies { count, span });
+                    });
+                    self.station(&name.text, machine, items, machines, variants);
+                }
                 LineItem::Requirement {
                     name,
                     bound,
