@@ -378,11 +378,16 @@ fn bottleneck(bottleneck: &Bottleneck) -> String {
         Bottleneck::Nothing => "none".to_owned(),
         Bottleneck::Station(station) => engaged(station),
         Bottleneck::Source { names, busiest } => {
+            let word = if names.len() == 1 {
+                "source"
+            } else {
+                "sources"
+            };
             let sources = names.join(" and ");
             let busiest = busiest.as_ref().map_or(String::new(), |station| {
                 format!("; busiest: {}", engaged(station))
             });
-            format!("{sources}, whose parts need not wait{busiest}")
+            format!("{word} {sources}, where parts do not wait{busiest}")
         }
         Bottleneck::Undecided(stations) => {
             let stations: Vec<String> = stations.iter().map(engaged).collect();
