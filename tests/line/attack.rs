@@ -169,7 +169,7 @@ fn agrees(
     folder: &Path,
 ) -> Result<(), String> {
     // With a shift, the runs here last longer.
-    if world.line(name).is_some_and(|line| line.shift.is_some()) {
+    if world.line(name).is_some_and(|line| line.calendar.is_some()) {
         return Ok(());
     }
     let file = folder.join("sample.lw");

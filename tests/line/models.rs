@@ -1,9 +1,10 @@
 //! Handmade lines, and controllers with the answers that a test needs.
 
+use linewright::contract::calendar::WorkCalendar;
 use linewright::contract::distribution::Distribution;
 use linewright::contract::line::{
     Belt, BufferOrder, Choice, InitialValue, Limit, Line, Node, NodeKind, PartProperty, PartType,
-    Requirement, Route, Shift, Station, Supply, Task,
+    Requirement, Route, Station, Supply, Task,
 };
 use linewright::contract::load;
 use linewright::contract::machine::{
@@ -51,7 +52,7 @@ impl Builder {
                 choices: Vec::new(),
                 requirements: Vec::new(),
                 limit: None,
-                shift: None,
+                calendar: None,
                 span: span(),
             },
             controllers: BTreeMap::new(),
@@ -295,7 +296,7 @@ impl Builder {
     }
 
     pub fn shift(&mut self, from: f64, to: f64) -> &mut Self {
-        self.line.shift = Some(Shift { from, to });
+        self.line.calendar = Some(WorkCalendar::daily(from, to));
         self
     }
 

@@ -4,6 +4,7 @@
 
 mod belts;
 mod blocked;
+mod calendars;
 mod conservation;
 mod conveyors;
 mod ends;

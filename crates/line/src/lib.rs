@@ -36,8 +36,10 @@
 //! previous part. The controller is called when service begins; the station is then busy for the
 //! duration that the controller returned. A station without a machine is busy for a duration that
 //! is drawn. At the end of service, the station's settings apply to the part, then its defects. Off
-//! shift, setup and service are suspended and no new part is taken; conveyors, sources and stores
-//! continue. For breakdowns, see `plant/failures.rs`; repairs continue off shift.
+//! shift, and in breaks, setup and service are suspended and no new part is taken; conveyors,
+//! sources and stores continue. A shift that finishes work lets them go on with a part that has
+//! begun before. Each station works by its own calendar, or else by that of the line. For
+//! breakdowns, see `plant/failures.rs`; repairs continue off shift.
 //!
 //! **Warm-up.** Until it ends, parts move as ever, but nothing is counted, and products do not end
 //! the run. See `plant/warm_up.rs`.

@@ -28,7 +28,8 @@ pub struct Trace {
     pub warm_up_found: bool,
     /// End products per hour of simulated time, after the warm-up.
     pub throughput_per_hour: f64,
-    /// End products per hour of working time; `None` if the line has no shift.
+    /// End products per hour of working time; `None` if the line has no calendar. Calendars of
+    /// stations do not count.
     pub throughput_on_shift: Option<f64>,
     /// Number of parts in the line.
     pub wip: WorkInProgress,

@@ -6,6 +6,7 @@
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
+use linewright_language::contract::calendar::WorkCalendar;
 use linewright_language::contract::distribution::Distribution;
 use linewright_language::contract::is_duration;
 use linewright_language::contract::line::{
@@ -55,15 +56,12 @@ impl Check<'_> {
         self.require(self.is_part(line.product), line.span, || {
             "the line's end product is not one of its part types".to_owned()
         });
-        if let Some(shift) = line.shift {
-            let sound = 0.0 <= shift.from && shift.from < shift.to && shift.to <= 86_400.0;
-            self.require(sound, line.span, || {
-                format!(
-                    "the shift from {} s to {} s is not within a day",
-                    shift.from, shift.to
-                )
-            });
-        }
+        let calendar = line.calendar.as_ref();
+        self.require(
+            calendar.is_none_or(WorkCalendar::is_valid),
+            line.span,
+            || format!("the calendar of {} is not valid", line.name),
+        );
         for part in &line.parts {
             let bill = part
                 .bill
@@ -131,6 +129,12 @@ impl Check<'_> {
                     has_controller == station.machine.is_some(),
                     node.span,
                     || format!("{name} has no controller"),
+                );
+                let calendar = station.calendar.as_ref();
+                self.require(
+                    calendar.is_none_or(WorkCalendar::is_valid),
+                    node.span,
+                    || format!("the calendar of {name} is not valid"),
                 );
                 self.distribution(&station.setup, node.span, name, "setup time");
                 for mode in &station.failures {

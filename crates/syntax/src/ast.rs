@@ -813,12 +813,71 @@ pub enum LineItem {
         /// Place of the whole requirement.
         span: Span,
     },
-    /// `shift a to b`
-    Shift(Expr, Expr),
+    /// `shift ...`
+    Shift(Shift),
+    /// `start 2026-11-30`: the date as it is written.
+    Start(Name),
+    /// `holiday 2026-12-24`, or `holiday 2026-12-24 to 2026-12-26`: the dates as they are written.
+    Holiday(Name, Option<Name>),
     /// `limit e`, and whether its unit is `products`.
     Limit(Expr, bool),
     /// `const ...`
     Const(ConstDecl),
+}
+
+/// `shift 6 h to 14 h on Monday to Friday break 9 h to 9.25 h finish work`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shift {
+    /// Times of day at which work begins and ends.
+    pub hours: Hours,
+    /// Weekdays; empty for all days.
+    pub days: Vec<Days>,
+    /// Breaks.
+    pub breaks: Vec<Hours>,
+    /// Whether stations finish the work that they have begun.
+    pub finish_work: bool,
+}
+
+/// `6 h to 14 h`: times of day.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hours {
+    /// Beginning.
+    pub from: Expr,
+    /// End.
+    pub to: Expr,
+}
+
+impl Hours {
+    /// Place of the two times.
+    pub fn span(&self) -> Span {
+        self.from.span.to(self.to.span)
+    }
+}
+
+/// `Monday`, or `Monday to Friday`
+#[derive(Debug, Clone, PartialEq)]
+pub struct Days {
+    /// First day.
+    pub first: Name,
+    /// Last day; `None` for a single day.
+    pub last: Option<Name>,
+}
+
+impl Days {
+    /// Place of the days.
+    pub fn span(&self) -> Span {
+        self.first
+            .span
+            .to(self.last.as_ref().unwrap_or(&self.first).span)
+    }
+}
+
+impl Shift {
+    /// The times of day of the shift and of its breaks.
+    pub fn expressions(&self) -> impl Iterator<Item = &Expr> {
+        let hours = std::iter::once(&self.hours).chain(&self.breaks);
+        hours.flat_map(|hours| [&hours.from, &hours.to])
+    }
 }
 
 /// When a source makes parts.
@@ -873,6 +932,8 @@ pub enum StationItem {
     Power(Expr),
     /// `failures mtbf a mttr b`
     Failures(Failures),
+    /// `shift ...`
+    Shift(Shift),
     /// `defect on P probability p: one of x becomes e`
     Defect {
         /// Part type.

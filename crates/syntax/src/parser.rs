@@ -168,10 +168,17 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         .chars()
         .take_while(|c| c.is_alphanumeric() || *c == '_')
         .collect();
-    if first == "shift" && context == Rule::bad_line_item && has_clock_time(text) {
+    let in_line = matches!(context, Rule::bad_line_item | Rule::bad_station_item);
+    if first == "shift" && in_line && has_clock_time(text) {
         let span = Span::new(file, start, start + code_end(text));
         return Diagnostic::error(codes::SYNTAX, span, "times of day are hours after midnight")
             .with_help("write `shift 6 h to 14 h`; half past six is `6.5 h`");
+    }
+    if in_line
+        && matches!(first.as_str(), "on" | "break" | "finish")
+        && let Some(finding) = explain_after(SHIFT, Rule::only_line_item, file, start, text)
+    {
+        return finding;
     }
     let rule = match (context, first.as_str()) {
         (_, "import") => Some(Rule::only_import),
@@ -196,11 +203,12 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         (
             Rule::bad_line_item,
             "part" | "product" | "source" | "store" | "sink" | "buffer" | "conveyor" | "station"
-            | "route" | "requirement" | "shift" | "limit",
+            | "route" | "requirement" | "shift" | "start" | "holiday" | "limit",
         ) => Some(Rule::only_line_item),
         (
             Rule::bad_station_item,
-            "perform" | "takes" | "sets" | "setup" | "defect" | "failures" | "idle" | "power",
+            "perform" | "takes" | "sets" | "setup" | "defect" | "failures" | "idle" | "power"
+            | "shift",
         ) => Some(Rule::only_station_item),
         (Rule::bad_component_item, _) if !first.is_empty() => Some(Rule::only_component_item),
         _ => None,
@@ -304,6 +312,30 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         format!("`{word}` does not belong in {place}"),
     )
     .with_help(help)
+}
+
+/// A shift without options.
+const SHIFT: &str = "shift 0 h to 24 h ";
+
+/// Explains an error in a piece that was meant to continue the statement `before`, with this rule
+/// for the whole. Returns `None` if it does continue it.
+fn explain_after(
+    before: &str,
+    rule: Rule,
+    file: FileId,
+    start: usize,
+    piece: &str,
+) -> Option<Diagnostic> {
+    let text = format!("{before}{piece}");
+    let error = Grammar::parse(rule, &text).err()?;
+    let found = finding_of(file, 0, &text, &error);
+    let place = found.span?;
+    let moved = |offset: u32| start + (offset as usize).saturating_sub(before.len());
+    let span = Span::new(file, moved(place.start), moved(place.end));
+    Some(Diagnostic {
+        span: Some(span),
+        ..found
+    })
 }
 
 /// Whether the text contains a time of day such as `6:30`.
@@ -421,6 +453,8 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "route",
                 "requirement",
                 "shift",
+                "start",
+                "holiday",
                 "limit",
                 "const",
             ],
@@ -438,6 +472,7 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "failures",
                 "power",
                 "idle power",
+                "shift",
             ],
         ),
         _ => (
@@ -722,6 +757,7 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::equals => "`=`",
             Rule::in_line => "`, at most N in the line`",
             Rule::at_most => "`at most`",
+            Rule::date => "a date such as `2026-12-24`",
             Rule::the_line => "`the line`",
             other => match skills::phrase(*other) {
                 Some(phrase) => phrase,

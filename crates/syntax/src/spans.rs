@@ -6,8 +6,8 @@ mod skills;
 use super::ast::{
     Argument, Between, BufferOrder, Component, ConstDecl, Contract, ContractItem, Counter, Define,
     Domain, DomainKind, Expr, ExprKind, Failures, File, Header, Item, Line, LineItem, Machine,
-    MachineItem, Name, OperationCall, PartCount, Scope, StationItem, Stop, StopChoice, Supply,
-    TimeValue, TypeDecl, TypedDecl,
+    MachineItem, Name, OperationCall, PartCount, Scope, Shift, StationItem, Stop, StopChoice,
+    Supply, TimeValue, TypeDecl, TypedDecl,
 };
 use linewright_core::source::Span;
 
@@ -285,7 +285,12 @@ fn line(l: &mut Line) {
                 expr(bound);
                 *span = Span::default();
             }
-            LineItem::Shift(a, b) => exprs([a, b]),
+            LineItem::Shift(s) => shift(s),
+            LineItem::Start(date) => name(date),
+            LineItem::Holiday(first, last) => {
+                name(first);
+                names(last);
+            }
             LineItem::Limit(e, _) => expr(e),
             LineItem::Const(c) => const_decl(c),
         }
@@ -324,6 +329,7 @@ fn station(item: &mut StationItem) {
         StationItem::Setup(d) => duration(d),
         StationItem::IdlePower(e) | StationItem::Power(e) => expr(e),
         StationItem::Failures(f) => failures(f),
+        StationItem::Shift(s) => shift(s),
         StationItem::Defect {
             part,
             probability,
@@ -334,6 +340,16 @@ fn station(item: &mut StationItem) {
             names([part, property]);
             exprs([probability, value]);
         }
+    }
+}
+
+fn shift(s: &mut Shift) {
+    for hours in std::iter::once(&mut s.hours).chain(&mut s.breaks) {
+        exprs([&mut hours.from, &mut hours.to]);
+    }
+    for days in &mut s.days {
+        name(&mut days.first);
+        names(&mut days.last);
     }
 }
 

@@ -445,7 +445,7 @@ impl<'n> Choices<'n> {
     }
 
     fn station_item(&mut self) -> StationItem {
-        match self.pick(8) {
+        match self.pick(9) {
             0 => StationItem::Perform {
                 operations: self.list(1, 3, Self::performed),
                 part: self.plain(),
@@ -464,6 +464,7 @@ impl<'n> Choices<'n> {
             },
             5 => StationItem::IdlePower(self.expr()),
             6 => StationItem::Power(self.expr()),
+            7 => StationItem::Shift(self.shift()),
             _ => StationItem::Defect {
                 part: self.plain(),
                 probability: self.expr(),
@@ -474,9 +475,32 @@ impl<'n> Choices<'n> {
         }
     }
 
+    fn hours(&mut self) -> Hours {
+        Hours {
+            from: self.expr(),
+            to: self.expr(),
+        }
+    }
+
+    fn shift(&mut self) -> Shift {
+        Shift {
+            hours: self.hours(),
+            days: self.list(0, 3, |c| Days {
+                first: c.plain(),
+                last: c.option(Self::plain),
+            }),
+            breaks: self.list(0, 2, Self::hours),
+            finish_work: self.maybe(),
+        }
+    }
+
+    fn date(&mut self) -> Name {
+        name(["2026-12-24", "0-00-1"][self.pick(2)])
+    }
+
     fn line_item(&mut self) -> LineItem {
         let place = self.plain();
-        match self.pick(13) {
+        match self.pick(15) {
             0 => LineItem::Part {
                 name: place,
                 bill: self.list(0, 3, Self::counted),
@@ -558,8 +582,10 @@ impl<'n> Choices<'n> {
                     span: Span::default(),
                 }
             }
-            10 => LineItem::Shift(self.expr(), self.expr()),
-            11 => {
+            10 => LineItem::Shift(self.shift()),
+            11 => LineItem::Start(self.date()),
+            12 => LineItem::Holiday(self.date(), self.option(Self::date)),
+            13 => {
                 let value = self.expr();
                 // A bare number would be the limit of a source above it; as the line's limit it
                 // means nothing.

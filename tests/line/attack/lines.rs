@@ -130,6 +130,8 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch) -> String {
             "shift 0 h to 20 h",
             "shift 6 h to 22 h",
             "shift 0 s to 900 s",
+            "shift 22 h to 6 h finish work",
+            "shift 6 h to 14 h break 9 h to 9.25 h shift 13 h to 22 h on Monday to Friday",
         ]));
     }
     for route in &draft.routes {

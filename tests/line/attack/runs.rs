@@ -139,9 +139,9 @@ impl World {
 
     /// One run. For a line with a shift only the working time counts.
     pub fn run(&self, line: &Line, seed: u64, parts: Option<u64>, seconds: f64) -> Option<Trace> {
-        let off = line.shift.map_or(0.0, |shift| {
-            let working = (shift.to - shift.from).max(1.0);
-            86_400.0 * (1.0 + (seconds / working).ceil())
+        let off = line.calendar.as_ref().map_or(0.0, |calendar| {
+            const WEEK: f64 = 7.0 * 86_400.0;
+            WEEK * (1.0 + (seconds / calendar.worked_until(WEEK)).ceil())
         });
         let options = Options {
             seed,

@@ -1,6 +1,7 @@
 //! Lines: stations, conveyors, buffers, sources, sinks and stores, and the routes of parts between
 //! them.
 
+use super::calendar::WorkCalendar;
 use super::distribution::Distribution;
 use super::machine::{FailureMode, Machine, RealExpr};
 use linewright_core::gr1::describe_domain;
@@ -31,8 +32,8 @@ pub struct Line {
     pub requirements: Vec<Requirement>,
     /// End of a run if neither `--parts` nor `--until` is given.
     pub limit: Option<Limit>,
-    /// Working hours; `None` for work around the clock.
-    pub shift: Option<Shift>,
+    /// When the stations work that have no calendar of their own; `None` for work around the clock.
+    pub calendar: Option<WorkCalendar>,
     /// Source position of the name.
     pub span: Span,
 }
@@ -44,27 +45,6 @@ pub enum Limit {
     Products(u64),
     /// Simulated time in seconds.
     Seconds(f64),
-}
-
-/// Daily working hours, in seconds from the start of the day; a run starts at time 0 of day 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shift {
-    /// Start of work.
-    pub from: f64,
-    /// End of work; later than `from`, at most 86 400.
-    pub to: f64,
-}
-
-impl Shift {
-    /// Number of seconds in a day.
-    pub const DAY: f64 = 86_400.0;
-
-    /// Returns the working time from the start of a run until `second`, in seconds.
-    pub fn worked_until(&self, second: f64) -> f64 {
-        let days = (second / Self::DAY).floor();
-        let today = (second - days * Self::DAY).clamp(self.from, self.to) - self.from;
-        days * (self.to - self.from) + today
-    }
 }
 
 /// A type of mobile unit.
@@ -286,6 +266,15 @@ impl Line {
         format!("{} to {}", name(nodes.start), name(nodes.end - 1))
     }
 
+    /// Returns the calendar by which a node works; `None` for a node that works around the clock. A
+    /// node that is no station always does.
+    pub fn calendar_of(&self, node: usize) -> Option<&WorkCalendar> {
+        match &self.nodes[node].kind {
+            NodeKind::Station(station) => station.calendar.as_ref().or(self.calendar.as_ref()),
+            _ => None,
+        }
+    }
+
     /// Returns the stations that are given by their times.
     pub fn stations_without_machine(&self) -> impl Iterator<Item = &Node> {
         let nodes = self.nodes.iter();
@@ -376,6 +365,8 @@ pub struct Station {
     pub setup: Distribution,
     /// Failure modes that the line declares or, if it declares none, the machine.
     pub failures: Vec<FailureMode>,
+    /// When the station works, if it has a calendar of its own.
+    pub calendar: Option<WorkCalendar>,
     /// Power drawn during work at a station without a machine, in watts.
     pub watts: f64,
     /// Power drawn when the station does not work, in watts.

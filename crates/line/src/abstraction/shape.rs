@@ -600,7 +600,7 @@ fn pauses(line: &Line, node: usize) -> bool {
         return false;
     };
     let mut modes = station.failures.iter();
-    line.shift.is_some() || modes.any(|mode| !matches!(mode.between, Between::Working(_)))
+    line.calendar_of(node).is_some() || modes.any(|mode| !matches!(mode.between, Between::Working(_)))
 }
 
 /// Whether there is always another part at once, however many were supplied. A stock counts as

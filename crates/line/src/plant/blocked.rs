@@ -96,11 +96,9 @@ impl Run<'_> {
             self.end_warm_up();
         }
         let rest = horizon - self.now;
-        let worked = self.line.shift.map_or(rest, |shift| {
-            shift.worked_until(horizon) - shift.worked_until(self.now)
-        });
-        for place in &mut self.places {
-            if let Place::Station(station) = place {
+        for node in 0..self.places.len() {
+            let worked = self.working_seconds(node, horizon);
+            if let Place::Station(station) = &mut self.places[node] {
                 station.wait(self.now, worked.clamp(0.0, rest), horizon);
             }
         }
@@ -240,6 +238,10 @@ impl Run<'_> {
             }),
             (None, Place::Belt(belt)) if !belt.held.is_empty() => Some(Reason {
                 text: format!("{name} does not move its parts"),
+                next: None,
+            }),
+            (None, Place::Station(_)) if self.shifts.is_off_for_ever(node) => Some(Reason {
+                text: format!("{name} has no further shift"),
                 next: None,
             }),
             (None, Place::Station(station)) => {

@@ -15,13 +15,13 @@ impl Run<'_> {
         self.report_short_run();
         let (mut stations, mut conveyors, mut buffers) = (Vec::new(), Vec::new(), Vec::new());
         let mut sources = Vec::new();
-        let (now, on_shift) = (self.now, self.on_shift);
+        let now = self.now;
         let start = self.counting_start();
         let counted = now - start;
         for (index, node) in self.line.nodes.iter().enumerate() {
             match (&node.kind, &mut self.places[index]) {
                 (NodeKind::Station(declared), Place::Station(station)) => {
-                    station.close(now, declared.idle_watts, on_shift);
+                    station.close(now, declared.idle_watts, self.shifts.is_on(index));
                     stations.push(StationStatistics {
                         node: index,
                         name: node.name.clone(),
@@ -104,8 +104,9 @@ impl Run<'_> {
         };
         let on_shift_seconds = self
             .line
-            .shift
-            .map(|shift| shift.worked_until(now) - shift.worked_until(start));
+            .calendar
+            .as_ref()
+            .map(|calendar| calendar.worked_until(now) - calendar.worked_until(start));
         self.journal.count_repeated_violations();
         let mut trace = Trace {
             seed: self.seed,

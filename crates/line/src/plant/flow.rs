@@ -328,7 +328,7 @@ impl Run<'_> {
             Place::Belt(belt) => {
                 matches!(self.places[from], Place::Belt(_)) && belt.inlet.is_none()
             }
-            Place::Station(station) => station.admits(kind, self.on_shift),
+            Place::Station(station) => station.admits(kind, self.shifts.is_on(node)),
         }
     }
 

@@ -18,6 +18,7 @@ mod journal;
 mod part;
 mod progress;
 mod queue;
+mod shifts;
 mod station;
 mod supply;
 mod warm_up;
@@ -35,11 +36,12 @@ use flow::{Outlet, Ways};
 use journal::Journal;
 use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::{Limit, Line, NodeKind, Shift};
+use linewright_language::contract::line::{Limit, Line, NodeKind};
 use linewright_station::Controller;
 use part::Parts;
 use progress::{LATEST_SECONDS, Progress};
 use queue::{Agenda, Queues};
+use shifts::Shifts;
 use station::Station;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -91,7 +93,7 @@ enum Event {
     Reopen(u32),
     /// A belt's controller is stepped.
     Tick(u32),
-    /// A shift begins or ends.
+    /// Some shifts begin or end, or breaks do.
     Shift,
     /// The warm-up ends.
     WarmUp,
@@ -136,7 +138,7 @@ struct Run<'a> {
     /// Number of scheduled events that can set something going: see [`Event::sets_going`].
     pending: u64,
     events: u64,
-    on_shift: bool,
+    shifts: Shifts,
     /// Time at which the warm-up ended; `None` during it, and if there is none.
     counting_since: Option<f64>,
     parts: Parts,
@@ -277,7 +279,7 @@ impl<'a> Run<'a> {
         seed: u64,
     ) -> Self {
         let line: &Line = &setup.line;
-        let on_shift = line.shift.is_none_or(|shift| shift.from <= 0.0);
+        let shifts = Shifts::new(line);
         let places = line
             .nodes
             .iter()
@@ -296,7 +298,11 @@ impl<'a> Run<'a> {
                 NodeKind::Sink { .. } => Place::Sink,
                 NodeKind::Store { stock } => Place::Store(Store::new(stock, line.parts.len())),
                 NodeKind::Station(declared) => Place::Station(Box::new(Station::new(
-                    line, index, declared, seed, on_shift,
+                    line,
+                    index,
+                    declared,
+                    seed,
+                    shifts.is_on(index),
                 ))),
                 NodeKind::Conveyor {
                     belt: Some(belt), ..
@@ -316,7 +322,7 @@ impl<'a> Run<'a> {
             calendar: Calendar::new(),
             pending: 0,
             events: 0,
-            on_shift,
+            shifts,
             counting_since: None,
             parts: Parts::default(),
             places,
@@ -352,7 +358,7 @@ impl<'a> Run<'a> {
             }
             // Off shift, the only event in the calendar might be the start of the next shift. The
             // line is not blocked then: it can continue in the morning.
-            if self.pending == 0 && self.on_shift {
+            if self.rests_for_ever() {
                 return self.end_blocked();
             }
             let Some(time) = self.calendar.next_time() else {
@@ -399,34 +405,6 @@ impl<'a> Run<'a> {
             self.pending += 1;
         }
         self.calendar.schedule(time, priority, event);
-    }
-
-    /// Schedules the next shift change, unless the shift lasts all day.
-    fn schedule_shift(&mut self) {
-        const DAY: f64 = Shift::DAY;
-        let Some(shift) = self.line.shift else { return };
-        if shift.from <= 0.0 && shift.to >= DAY {
-            return;
-        }
-        let day = (self.now / DAY).floor() * DAY;
-        let next = if self.on_shift {
-            day + shift.to
-        } else if day + shift.from > self.now {
-            day + shift.from
-        } else {
-            day + DAY + shift.from
-        };
-        self.schedule(next, SHIFT, Event::Shift);
-    }
-
-    fn change_shift(&mut self) {
-        self.on_shift = !self.on_shift;
-        for node in 0..self.places.len() {
-            if matches!(self.places[node], Place::Station(_)) {
-                self.station_shift(node);
-            }
-        }
-        self.schedule_shift();
     }
 
     /// The current time in readable form.

@@ -32,6 +32,10 @@ pub(super) struct Station {
     /// Whether setup or service is in progress, not interrupted by a breakdown or the end of a
     /// shift.
     running: bool,
+    /// Time at which setup or service for the part began.
+    begun_at: f64,
+    /// Whether the station is off shift and finishes its part nevertheless.
+    overtime: bool,
     /// Only the event with this number is valid.
     number: u32,
     pub failures: Failures,
@@ -116,6 +120,8 @@ impl Station {
             remaining: 0.0,
             resumed: 0.0,
             running: false,
+            begun_at: 0.0,
+            overtime: false,
             number: 0,
             failures: Failures::new(name, &station.failures, seed),
             setup: Sampler::new(&station.setup, stream(seed, Purpose::Setup, name)),
@@ -244,7 +250,7 @@ impl Station {
     fn book(&mut self, now: f64, on_shift: bool) {
         let activity = match self.phase {
             _ if self.failures.is_failed() => Activity::Failed,
-            _ if !on_shift => Activity::Idle,
+            _ if !on_shift && !self.overtime => Activity::Idle,
             Phase::Free => Activity::Starved,
             Phase::Setup => Activity::Setup,
             Phase::Service => Activity::Busy,
@@ -318,7 +324,7 @@ impl Run<'_> {
     /// Lets a free station join the bill that has been complete longest, unless a part for another
     /// task has waited longer.
     pub(super) fn station_ready(&mut self, node: usize) {
-        let on_shift = self.on_shift;
+        let on_shift = self.shifts.is_on(node);
         let Place::Station(station) = &self.places[node] else {
             return;
         };
@@ -416,12 +422,14 @@ impl Run<'_> {
 
     /// Begins to process a part, with setup first if the part type has changed.
     fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
+        let now = self.now;
         let station = self.station(node);
         let kind = station.kinds[task];
         let changed = station.last_kind.is_some_and(|last| last != kind);
         station.last_kind = Some(kind);
         station.part = Some(part);
         station.task = task;
+        station.begun_at = now;
         let seconds = if changed { station.setup.draw() } else { 0.0 };
         if seconds > 0.0 {
             station.phase = Phase::Setup;
@@ -512,10 +520,11 @@ impl Run<'_> {
 
     /// Starts or continues setup or service, unless the station is broken down or off shift.
     fn resume(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.on_shift);
+        let (now, on_shift) = (self.now, self.shifts.is_on(node));
         let station = self.station(node);
         station.book(now, on_shift);
-        if station.failures.is_failed() || !on_shift || station.running {
+        let works = on_shift || station.overtime;
+        if station.failures.is_failed() || !works || station.running {
             return;
         }
         station.running = true;
@@ -568,7 +577,7 @@ impl Run<'_> {
 
     /// Lets a repaired station continue or begin its work.
     pub(super) fn work_again(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.on_shift);
+        let (now, on_shift) = (self.now, self.shifts.is_on(node));
         let station = self.station(node);
         if matches!(station.phase, Phase::Setup | Phase::Service) {
             self.resume(node);
@@ -581,7 +590,7 @@ impl Run<'_> {
     /// Ends the service: the part receives its new properties and possibly random defects, and
     /// leaves when it can.
     fn end_service(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.on_shift);
+        let (now, on_shift) = (self.now, self.shifts.is_on(node));
         let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
             return;
         };
@@ -593,6 +602,7 @@ impl Run<'_> {
         station.processed += 1;
         station.joules += station.service_joules;
         station.phase = Phase::Done;
+        station.overtime = false;
         let finished = &mut self.parts[part];
         finished.properties.clone_from(&station.outcome);
         declared.set_values(finished.kind, &mut finished.properties);
@@ -622,18 +632,24 @@ impl Run<'_> {
 
     /// Frees a station that no longer has a part in work.
     pub(super) fn station_left(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.on_shift);
+        let (now, on_shift) = (self.now, self.shifts.is_on(node));
         let station = self.station(node);
         station.phase = Phase::Free;
         station.part = None;
+        station.overtime = false;
         station.book(now, on_shift);
     }
 
-    /// A shift begins or ends.
-    pub(super) fn station_shift(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.on_shift);
+    /// A shift of the station begins or ends. If work that has begun is finished, the station goes
+    /// on with its part.
+    pub(super) fn station_shift(&mut self, node: usize, finishes_work: bool) {
+        let (now, on_shift) = (self.now, self.shifts.is_on(node));
         let station = self.station(node);
-        if !on_shift {
+        // A part that comes at this very instant waits for the next shift.
+        let has_begun =
+            matches!(station.phase, Phase::Setup | Phase::Service) && station.begun_at < now;
+        station.overtime = !on_shift && finishes_work && has_begun;
+        if !on_shift && !station.overtime {
             station.pause(now);
         }
         self.work_again(node);

@@ -1,8 +1,8 @@
 //! Builds lines: parts, places and routes.
 
 use super::super::ast::{
-    Between, BufferOrder, Copies, Failures, Line, LineItem, Outcome, PartCount, StationItem, Stop,
-    StopChoice, Supply, TimeValue,
+    Between, BufferOrder, Copies, Days, Failures, Hours, Line, LineItem, Outcome, PartCount, Shift,
+    StationItem, Stop, StopChoice, Supply, TimeValue,
 };
 use super::super::parser::Rule;
 use super::expression::binary_op;
@@ -76,7 +76,12 @@ impl Builder {
                 let value = self.expr(c.next());
                 LineItem::Limit(value, c.take(Rule::products).is_some())
             }
-            Rule::l_shift => LineItem::Shift(self.expr(c.next()), self.expr(c.next())),
+            Rule::l_shift => LineItem::Shift(self.shift(c)),
+            Rule::l_start => LineItem::Start(self.name(&c.next())),
+            Rule::l_holiday => {
+                let first = self.name(&c.next());
+                LineItem::Holiday(first, c.take(Rule::date).map(|last| self.name(&last)))
+            }
             Rule::l_product => LineItem::Product(self.name(&c.next())),
             Rule::l_part => {
                 let name = self.name(&c.next());
@@ -286,6 +291,7 @@ impl Builder {
                 Rule::m_idle => StationItem::IdlePower(self.expr(c.next())),
                 Rule::m_power => StationItem::Power(self.expr(c.next())),
                 Rule::m_failures => StationItem::Failures(self.failures(c, span)),
+                Rule::l_shift => StationItem::Shift(self.shift(c)),
                 _ => {
                     let part = self.name(&c.next());
                     let probability = self.expr(c.next());
@@ -304,6 +310,36 @@ impl Builder {
             machine: machine.map(|m| (m, arguments)),
             times,
             items,
+        }
+    }
+
+    /// Builds a shift from the children of the statement.
+    fn shift(&mut self, mut c: Children<'_>) -> Shift {
+        let hours = self.hours(c.next());
+        let days = c.take(Rule::weekdays).map(Children::of);
+        let days = days.into_iter().flat_map(Children::rest).map(|days| {
+            let mut c = Children::of(days);
+            Days {
+                first: self.name(&c.next()),
+                last: c.take(Rule::name).map(|last| self.name(&last)),
+            }
+        });
+        let days = days.collect();
+        let breaks = c.take(Rule::breaks).map(Children::of);
+        let breaks = breaks.into_iter().flat_map(Children::rest);
+        Shift {
+            hours,
+            days,
+            breaks: breaks.map(|hours| self.hours(hours)).collect(),
+            finish_work: c.take(Rule::finish_work).is_some(),
+        }
+    }
+
+    fn hours(&mut self, pair: Pair<'_, Rule>) -> Hours {
+        let mut c = Children::of(pair);
+        Hours {
+            from: self.expr(c.next()),
+            to: self.expr(c.next()),
         }
     }
 

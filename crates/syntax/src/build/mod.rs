@@ -349,6 +349,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_becomes
             | Rule::k_before
             | Rule::k_between
+            | Rule::k_break
             | Rule::k_buffer
             | Rule::k_by
             | Rule::k_calendar
@@ -366,9 +367,11 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_else
             | Rule::k_every
             | Rule::k_failures
+            | Rule::k_finish
             | Rule::k_first
             | Rule::k_from
             | Rule::k_guarantee
+            | Rule::k_holiday
             | Rule::k_hour
             | Rule::k_idle
             | Rule::k_if
@@ -414,6 +417,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_sink
             | Rule::k_skills
             | Rule::k_source
+            | Rule::k_start
             | Rule::k_station
             | Rule::k_step
             | Rule::k_steps
@@ -428,6 +432,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_until
             | Rule::k_when
             | Rule::k_within
+            | Rule::k_work
             | Rule::k_write
     )
 }

@@ -1,7 +1,8 @@
 //! Prints lines.
 
 use super::super::ast::{
-    BufferOrder, Line, LineItem, PartCount, StationItem, Stop, StopChoice, Supply,
+    BufferOrder, Days, Hours, Line, LineItem, PartCount, Shift, StationItem, Stop, StopChoice,
+    Supply,
 };
 use super::super::binds;
 use super::expression::Continuation;
@@ -184,9 +185,18 @@ impl Printer<'_> {
                 self.expression(bound);
                 self.put(if *per_hour { " per hour" } else { "" });
             }
-            LineItem::Shift(from, to) => {
-                self.setting("shift ", from);
-                self.setting(" to ", to);
+            LineItem::Shift(shift) => self.shift(shift),
+            LineItem::Start(date) => {
+                self.put("start ");
+                self.name(date);
+            }
+            LineItem::Holiday(first, last) => {
+                self.put("holiday ");
+                self.name(first);
+                if let Some(last) = last {
+                    self.put(" to ");
+                    self.name(last);
+                }
             }
             LineItem::Limit(e, products) => {
                 self.setting("limit ", e);
@@ -226,6 +236,47 @@ impl Printer<'_> {
                 self.operand(share, binds::ADDITIVE, Continuation::Operator);
             }
         }
+    }
+
+    fn shift(&mut self, shift: &Shift) {
+        self.put("shift ");
+        self.hours(&shift.hours);
+        let mut last = shift.hours.span();
+        if let Some(first) = shift.days.first() {
+            self.option("on ", last, first.span());
+            self.list(&shift.days, Days::span, |p, days| {
+                p.name(&days.first);
+                if let Some(last) = &days.last {
+                    p.put(" to ");
+                    p.name(last);
+                }
+            });
+            last = shift.days.last().map_or(last, Days::span);
+        }
+        if let Some(first) = shift.breaks.first() {
+            self.option("break ", last, first.span());
+            self.list(&shift.breaks, Hours::span, Self::hours);
+        }
+        self.put(if shift.finish_work {
+            " finish work"
+        } else {
+            ""
+        });
+    }
+
+    fn hours(&mut self, hours: &Hours) {
+        self.expression(&hours.from);
+        self.setting(" to ", &hours.to);
+    }
+
+    /// Prints the first word of an option, on a new line if it does not fit or the author ended the
+    /// line there.
+    fn option(&mut self, word: &str, before: Span, first: Span) {
+        let forced = self.broken(before, first);
+        self.nest = 1;
+        self.gap(0, true, forced);
+        self.put(word);
+        self.nest = 0;
     }
 
     fn station_item(&mut self, item: &StationItem) {
@@ -273,6 +324,7 @@ impl Printer<'_> {
             StationItem::IdlePower(e) => self.setting("idle power ", e),
             StationItem::Power(e) => self.setting("power ", e),
             StationItem::Failures(f) => self.failures(f),
+            StationItem::Shift(shift) => self.shift(shift),
             StationItem::Defect {
                 part,
                 probability,

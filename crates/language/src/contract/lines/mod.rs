@@ -1,6 +1,7 @@
 //! Resolution of lines: instantiates the machines of stations and conveyors, and resolves part
 //! types, places and routes.
 
+mod calendars;
 mod copies;
 mod parts;
 mod places;
@@ -15,6 +16,7 @@ use super::machine::Machine;
 use super::machines::PropertyType;
 use super::routes;
 use super::scope::{self, Decl, Scope, duplicate_name};
+use calendars::Days;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, LineItem};
@@ -45,6 +47,8 @@ struct Builder<'a, 's> {
     times: BTreeMap<usize, usize>,
     /// By node: the time of work on parts of any type, `takes d`, and its place.
     common_times: BTreeMap<usize, (Distribution, Span)>,
+    /// The first day of a run, and the closed days.
+    days: Days,
     /// Indices of the nodes that are stations.
     stations: BTreeSet<usize>,
     /// Indices of the nodes that are sources.
@@ -71,6 +75,7 @@ pub(super) fn line<'a>(
         node_index: BTreeMap::new(),
         times: BTreeMap::new(),
         common_times: BTreeMap::new(),
+        days: Days::default(),
         stations: BTreeSet::new(),
         sources_of_parts: BTreeSet::new(),
     };
@@ -109,9 +114,11 @@ impl<'a> Builder<'a, '_> {
             choices: Vec::new(),
             requirements: Vec::new(),
             limit: None,
-            shift: None,
+            calendar: None,
             span: decl.name.span,
         };
+        self.declare_days(decl);
+        model.calendar = self.line_calendar(decl);
         for item in &decl.items {
             if let Some((name, kind)) = self.node(item) {
                 model.nodes.push(Node {

@@ -1,8 +1,8 @@
-//! Resolution of requirements, shifts, limits and the end product.
+//! Resolution of requirements, limits and the end product.
 
 use super::Builder;
 use crate::contract::elaborate::nearest;
-use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Shift};
+use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement};
 use crate::contract::machines::non_negative;
 use crate::contract::scope::{duplicate_name, duplicate_statement};
 use crate::contract::value::Dimension;
@@ -10,9 +10,6 @@ use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
-
-/// Minimum duration of a shift, in seconds.
-const MIN_SHIFT_SECONDS: f64 = 1.0;
 
 impl<'a> Builder<'a, '_> {
     /// Sets the end product of the line. If none is declared, it is the only part type with a bill
@@ -54,11 +51,7 @@ impl<'a> Builder<'a, '_> {
                 LineItem::Limit(value, _) => {
                     ("limit", value.span, "keep the limit at which a run ends")
                 }
-                LineItem::Shift(from, to) => (
-                    "shift",
-                    from.span.to(to.span),
-                    "a line works one shift a day: combine the two, or remove one",
-                ),
+                LineItem::Start(date) => ("start", date.span, "keep the first day of a run"),
                 LineItem::Requirement { name, .. } => {
                     if let Some(first) = requirements.insert(&name.text, name.span) {
                         self.e.findings.push(duplicate_name(name, first));
@@ -78,32 +71,6 @@ impl<'a> Builder<'a, '_> {
     pub(super) fn statement(&mut self, item: &'a LineItem, model: &mut Line) {
         match item {
             LineItem::Route { part, stops, when } => self.route(part, stops, when.as_ref(), model),
-            LineItem::Shift(from, to) => {
-                let a = non_negative(&mut self.e, from, Dimension::Time);
-                let b = non_negative(&mut self.e, to, Dimension::Time);
-                if let (Some(from_s), Some(to_s)) = (a, b) {
-                    if from_s >= to_s || to_s > 86_400.0 {
-                        self.e.findings.error_with(
-                            codes::ARGUMENT,
-                            from.span.to(to.span),
-                            "a shift must end after it begins, on the same day",
-                            "write hours after midnight, `shift 6 h to 14 h`; a shift cannot include midnight",
-                        );
-                    }
-                    if from_s < to_s && to_s - from_s < MIN_SHIFT_SECONDS {
-                        self.e.findings.error_with(
-                            codes::ARGUMENT,
-                            from.span.to(to.span),
-                            "a shift must last at least one second",
-                            "write `shift 6 h to 14 h`",
-                        );
-                    }
-                    model.shift = Some(Shift {
-                        from: from_s,
-                        to: to_s,
-                    });
-                }
-            }
             LineItem::Limit(value, true) => {
                 if let Some(n) = self.e.constant_int(value) {
                     if n < 1 {

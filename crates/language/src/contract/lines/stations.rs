@@ -30,6 +30,7 @@ impl<'a> Builder<'a, '_> {
         let mut station = Station::default();
         self.report_repeated(items);
         let mut modes: Vec<&'a ast::Failures> = Vec::new();
+        let mut shifts: Vec<&'a ast::Shift> = Vec::new();
         // By part type: the properties that are set.
         let mut set: BTreeMap<usize, BTreeMap<usize, Span>> = BTreeMap::new();
         for item in items {
@@ -40,6 +41,7 @@ impl<'a> Builder<'a, '_> {
                     }
                 }
                 StationItem::Failures(mode) => modes.push(mode),
+                StationItem::Shift(shift) => shifts.push(shift),
                 StationItem::Perform { operations, part } => match &machine {
                     Some((_, machine)) => {
                         let task = self.task(machine, operations, part);
@@ -104,6 +106,7 @@ impl<'a> Builder<'a, '_> {
             }
         }
         station.failures = failures(&mut self.e, &modes);
+        station.calendar = self.calendar(&shifts);
         match machine {
             Some((span, machine)) => {
                 if machine.operations.is_empty() {

@@ -207,10 +207,12 @@ impl<'a> Mentions<'a> {
                     self.exprs(when);
                 }
                 LineItem::Requirement { bound, .. } => self.expr(bound),
-                LineItem::Shift(a, b) => self.exprs([a, b]),
+                LineItem::Shift(shift) => self.exprs(shift.expressions()),
                 LineItem::Limit(e, _) => self.expr(e),
                 LineItem::Const(c) => self.constant(c),
                 LineItem::Product(_)
+                | LineItem::Start(_)
+                | LineItem::Holiday(..)
                 | LineItem::Source { .. }
                 | LineItem::Store { .. }
                 | LineItem::Sink { .. }
@@ -231,6 +233,7 @@ impl<'a> Mentions<'a> {
             }
             StationItem::IdlePower(e) | StationItem::Power(e) => self.expr(e),
             StationItem::Failures(f) => self.exprs(f.expressions()),
+            StationItem::Shift(shift) => self.exprs(shift.expressions()),
             StationItem::Defect {
                 probability, value, ..
             } => self.exprs([probability, value]),
