@@ -600,7 +600,8 @@ fn pauses(line: &Line, node: usize) -> bool {
         return false;
     };
     let mut modes = station.failures.iter();
-    line.calendar_of(node).is_some() || modes.any(|mode| !matches!(mode.between, Between::Working(_)))
+    line.calendar_of(node).is_some()
+        || modes.any(|mode| !matches!(mode.between, Between::Working(_)))
 }
 
 /// Whether there is always another part at once, however many were supplied. A stock counts as
