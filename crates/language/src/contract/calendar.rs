@@ -2,7 +2,7 @@
 //!
 //! A calendar is a weekly pattern of shifts without those of the closed days. All its moments are
 //! whole microseconds, the resolution of a run's clock, so that shifts that adjoin are recognized
-//! exactly. A moment as a double, in seconds, is computed in one place, [`seconds`]; the same
+//! exactly. A moment as a double, in seconds, is computed in one place, `seconds`; the same
 //! moment is therefore always the same double.
 //!
 //! No function steps through time. What happens on a day depends only on its weekday, and on

@@ -41,10 +41,11 @@ impl Chooser {
                     let earlier = names.iter().filter(|name| **name == start).count();
                     names.push(start);
                     let (from, part) = (&line.nodes[first.from].name, &line.parts[first.part].name);
-                    let mut name = format!("{from}.{part}");
-                    if earlier > 0 {
-                        name += &format!(".{}", earlier + 1);
-                    }
+                    let name = if earlier == 0 {
+                        format!("{from}.{part}")
+                    } else {
+                        format!("{from}.{part}.{}", earlier + 1)
+                    };
                     Self::Draw {
                         shares: shares.clone(),
                         drawn: None,

@@ -1,7 +1,7 @@
 //! The names that a part of a file mentions, without those that are bound within it.
 
 use linewright_syntax::ast::{
-    self, ContractItem, DomainKind, Expr, ExprKind, Item, LineItem, MachineItem, StationItem,
+    self, ContractItem, DomainKind, Expr, ExprKind, Item, LineItem, MachineItem, StationItem, Stop,
     Supply,
 };
 use std::collections::BTreeSet;
@@ -203,7 +203,7 @@ impl<'a> Mentions<'a> {
                     }
                 }
                 LineItem::Route { stops, when, .. } => {
-                    self.exprs(stops.iter().flat_map(|stop| stop.expressions()));
+                    self.exprs(stops.iter().flat_map(Stop::expressions));
                     self.exprs(when);
                 }
                 LineItem::Requirement { bound, .. } => self.expr(bound),
