@@ -31,6 +31,9 @@ pub struct Candidate {
     pub name: String,
     /// Share of the time in which it was busy, set up or failed: the mean if there are several.
     pub engaged: f64,
+    /// The same share of the time in which it was not idle, that is, on shift. It decides, because
+    /// stations may have different shifts.
+    pub engaged_on_shift: f64,
 }
 
 /// Share of the time up to which a part that has to wait in its source does not matter.
@@ -49,7 +52,7 @@ impl Bottleneck {
     ) -> Self {
         let mut candidates = candidates(stations);
         candidates.retain(|candidate| candidate.engaged > 0.0);
-        candidates.sort_by(|a, b| b.engaged.total_cmp(&a.engaged));
+        candidates.sort_by(|a, b| b.engaged_on_shift.total_cmp(&a.engaged_on_shift));
         let free = |source: &SourceStatistics| source.blocked < NEVER && source.lost < NEVER;
         if all_timed && !sources.is_empty() && sources.iter().all(free) {
             return Self::Source {
@@ -60,8 +63,8 @@ impl Bottleneck {
         let Some(first) = candidates.first() else {
             return Self::Nothing;
         };
-        let least = first.engaged - EQUAL;
-        candidates.retain(|candidate| candidate.engaged > least);
+        let least = first.engaged_on_shift - EQUAL;
+        candidates.retain(|candidate| candidate.engaged_on_shift > least);
         if candidates.len() > 1 {
             Self::Undecided(candidates)
         } else {
@@ -91,9 +94,11 @@ fn candidates(stations: &[StationStatistics]) -> Vec<Candidate> {
         let count = rest.iter().take_while(|s| base(s) == name).count();
         let (alike, others) = rest.split_at(count);
         let sum: f64 = alike.iter().map(|s| s.shares.engaged()).sum();
+        let on_shift: f64 = alike.iter().map(|s| 1.0 - s.shares.idle).sum();
         found.push(Candidate {
             name,
             engaged: sum / count as f64,
+            engaged_on_shift: if on_shift > 0.0 { sum / on_shift } else { 0.0 },
         });
         rest = others;
     }

@@ -280,6 +280,29 @@ fn what_limits_a_line_may_be_its_source() {
     assert_eq!(names, ["x", "y"]);
 }
 
+/// The first station works all of its shift; the second one has more work in a day, but also more
+/// time.
+#[test]
+fn shares_of_a_stations_own_shift_decide() {
+    let text = "line L {
+        part P source s: P every 0 s
+        station a { takes 5 s shift 6 h to 14 h }
+        buffer q capacity 4000
+        station b { takes 6 s }
+        sink k
+        route P: s -> a -> q -> b -> k
+    }";
+    let options = Options {
+        until: Some(7.0 * 86_400.0),
+        ..Options::default()
+    };
+    let trace = plant_of(text, options).run();
+    let station = trace.bottleneck.station().unwrap();
+    assert_eq!(station.name, "a");
+    near(station.engaged, 1.0 / 3.0, 1e-3);
+    near(station.engaged_on_shift, 1.0, 1e-3);
+}
+
 /// A source that loses its parts is not what limits the line.
 #[test]
 fn a_source_whose_parts_are_lost_does_not_limit_the_line() {
