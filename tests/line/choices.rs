@@ -271,6 +271,29 @@ fn a_belt_serves_several_places() {
     }
 }
 
+/// A conveyor with a machine looks for the shortest queue, too.
+#[test]
+fn a_belt_finds_the_shortest_queue() {
+    for (choice, even) in [(Choice::ShortestQueue, true), (Choice::FirstFree, false)] {
+        let mut builder = Builder::new(&["P"]);
+        builder
+            .source("a", "P", every(1.0, None))
+            .belt("belt", 3, Shift1::new(3))
+            .buffer("p", 1000)
+            .buffer("q", 1000)
+            .station("x", &["P"], constant(50.0))
+            .station("y", &["P"], constant(50.0))
+            .sink("out")
+            .route("P", &["a", "belt"])
+            .route_choice("P", "belt", &["p", "q"], choice)
+            .route("P", &["p", "x", "out"])
+            .route("P", &["q", "y", "out"]);
+        let trace = builder.run_until(400.0);
+        let longest: Vec<u64> = trace.buffers.iter().map(|b| b.longest).collect();
+        assert_eq!(longest[0].abs_diff(longest[1]) <= 2, even, "{longest:?}");
+    }
+}
+
 /// Two belts are alternatives; both carry parts, and none is lost.
 #[test]
 fn a_part_waits_for_one_of_two_belts() {

@@ -13,6 +13,12 @@
 //! which hand over parts only when they are stepped.) Parts that began to wait at the same instant
 //! go in calendar order, which is the same in every run.
 //!
+//! A way can end at a list of places. To the first free one, or by the shortest queue, the part
+//! goes at once if one of them has room and nobody else waits for it; otherwise, it waits for all
+//! of them. In turn and by chance, it waits for the place that was determined; the turn passes, and
+//! the next number is drawn, when a part has moved. In a buffer with an order of its own, a part
+//! that comes may be the next to leave. It then takes the turn of the part that it overtakes.
+//!
 //! **Entering.** A part enters the line when it leaves its source or a store's stock. A joined part
 //! enters when the joining begins; its components are consumed at that moment. A part that a store
 //! receives is finished, unless a route of its type leaves the store again. A part that is

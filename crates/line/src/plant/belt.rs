@@ -267,12 +267,13 @@ impl<'a> Run<'a> {
         way.is_some_and(|way| self.room_at_end(outlet, part, way).is_some())
     }
 
-    /// The first place at the end of a way that would take a part now.
+    /// The place at the end of a way that would take a part now.
     fn room_at_end(&self, outlet: usize, part: PartIndex, way: Way) -> Option<usize> {
         let node = self.outlets[outlet].node;
         let kind = self.parts[part].kind;
-        let mut places = self.setup.ways.to(way).iter().copied();
-        places.find(|to| self.admits(*to, kind, node) && !self.others_first(*to, Some(outlet)))
+        self.choose(way, |to: &usize| {
+            self.admits(*to, kind, node) && !self.others_first(*to, Some(outlet))
+        })
     }
 
     /// The part that would come on: the one handed over by another belt or the first waiting one,

@@ -238,16 +238,20 @@ impl Run<'_> {
         }
     }
 
-    /// The place to which an outlet's part can go at once, of those at the ends of its way: the
-    /// first one or, for the shortest queue, the first with the fewest parts.
-    pub(super) fn free_place(&self, outlet: usize, way: Way) -> Option<usize> {
+    /// The place to which a newcomer can go at once, of those at the ends of its way.
+    fn free_place(&self, outlet: usize, way: Way) -> Option<usize> {
         let Outlet { node, part, .. } = self.outlets[outlet];
         let kind = self.parts[part?].kind;
-        let takes = |to: &usize| {
+        self.choose(way, |to: &usize| {
             self.admits(*to, kind, node)
                 && !self.others_first(*to, Some(outlet))
                 && !self.bill_first(*to, kind)
-        };
+        })
+    }
+
+    /// Of the places at the ends of a way that take a part, the first one or, for the shortest
+    /// queue, the first with the fewest parts.
+    pub(super) fn choose(&self, way: Way, takes: impl Fn(&usize) -> bool) -> Option<usize> {
         let mut places = self.setup.ways.to(way).iter().copied().filter(takes);
         match way.choice.map(|choice| &self.line.choices[choice as usize]) {
             Some(Choice::ShortestQueue) => places.min_by_key(|to| self.load(*to)),

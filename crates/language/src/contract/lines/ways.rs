@@ -209,6 +209,8 @@ impl<'a> Builder<'a, '_> {
                 "there are {count} places and {} probabilities",
                 written.len()
             )
+        } else if written.len() < count && shares.last().is_some_and(|last| *last <= ROUNDING) {
+            format!("nothing is left for `{}`", stop.places[count - 1].text)
         } else if shares.iter().any(|share| *share <= ROUNDING) {
             "each place must have a probability greater than 0".to_owned()
         } else if (shares.iter().sum::<f64>() - 1.0).abs() > ROUNDING {
