@@ -8,8 +8,8 @@ use linewright::contract::line::{
 };
 use linewright::contract::load;
 use linewright::contract::machine::{
-    Between, Component, FailureMode, Machine, Operation, PlantInput, PlantSource, Property,
-    PropertyKind, RealExpr, Role,
+    Between, Component, FailureMode, InterruptedWork, Machine, Operation, PlantInput, PlantSource,
+    Property, PropertyKind, RealExpr, Role,
 };
 use linewright::gr1::{Domain, Owner, Side, Specification, Timing, Variable};
 use linewright::line::random::{Purpose, Stream};
@@ -45,7 +45,7 @@ impl Builder {
             line: Line {
                 name: "test".to_owned(),
                 doc: String::new(),
-                product: parts.len() - 1,
+                products: vec![parts.len() - 1],
                 parts,
                 nodes: Vec::new(),
                 routes: Vec::new(),
@@ -147,6 +147,8 @@ impl Builder {
             NodeKind::Buffer {
                 capacity,
                 order: BufferOrder::FirstIn,
+                dwell: Distribution::default(),
+                shelf_life: None,
             },
         );
         self
@@ -361,7 +363,7 @@ pub fn failing(mtbf: f64, mttr: f64) -> Vec<FailureMode> {
         name: String::new(),
         between: Between::Working(Distribution::Exponential { mean: mtbf }),
         repair: Distribution::Exponential { mean: mttr },
-        restarts: false,
+        interrupted: InterruptedWork::Resumes,
     }]
 }
 

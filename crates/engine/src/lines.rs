@@ -11,7 +11,7 @@ use linewright_core::gr1::FormulaKind;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
 use linewright_line::UndecidedReason;
-use linewright_line::abstraction::{Abstraction, Verdict, findings};
+use linewright_line::abstraction::{Abstraction, Verdict, findings, with_losses};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
 use linewright_solver::game::{Budget, Limit, Limits};
 use schemars::JsonSchema;
@@ -84,7 +84,7 @@ pub fn examine<'a>(
     // If not all calls could be tried, contracts can still show that no call violates an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
     let asked = call_check::examine(line, unknown, &controlled, prover);
-    let mut proof = examine_moves(moving, prover, with_table);
+    let mut proof = examine_moves(&with_losses(moving), prover, with_table);
     if problems.is_empty() && asked.findings.is_empty() {
         if matches!(proof.verdict, LineVerdict::Proved | LineVerdict::Safe) {
             proof.premises = premises(line, &calls);

@@ -31,6 +31,8 @@ pub enum Purpose {
     Setup,
     /// Choices between routes.
     Routes,
+    /// Dwell times of parts in a buffer.
+    Dwell,
 }
 
 /// A sequence of random numbers.

@@ -231,6 +231,11 @@ impl LeadTimes {
         }
     }
 
+    /// Number of lead times.
+    pub(super) fn count(&self) -> u64 {
+        self.count
+    }
+
     pub(super) fn summary(mut self) -> LeadTime {
         if self.count == 0 {
             return LeadTime::default();

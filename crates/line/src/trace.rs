@@ -37,6 +37,8 @@ pub struct Trace {
     pub parts: PartCounts,
     /// Time from the entry of a product's first part to the completion of the product.
     pub lead_time: LeadTime,
+    /// One entry for each type of end products, if there are several; empty otherwise.
+    pub by_type: Vec<ProductStatistics>,
     /// Energy of all stations and conveyors in joules.
     pub joules: f64,
     /// One entry per station, in line order.
@@ -124,6 +126,19 @@ pub struct LeadTime {
     pub p95: f64,
     /// Maximum.
     pub max: f64,
+}
+
+/// End products of one type.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProductStatistics {
+    /// Part type.
+    pub part: usize,
+    /// Number of finished parts.
+    pub products: u64,
+    /// Parts per hour of simulated time, after the warm-up.
+    pub throughput_per_hour: f64,
+    /// Time from the entry of a product's first part to the completion of the product.
+    pub lead_time: LeadTime,
 }
 
 /// Shares of a station's time, each from 0 to 1; their sum is 1.
@@ -220,6 +235,8 @@ pub struct BufferStatistics {
     pub wait: f64,
     /// Maximum waiting time of the parts that left, in seconds.
     pub longest_wait: f64,
+    /// Number of parts that expired; they count as rejected, not as passed.
+    pub expired: u64,
 }
 
 /// Statistics of a machine, over all its instances.

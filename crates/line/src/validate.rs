@@ -53,8 +53,10 @@ impl Check<'_> {
 
     fn parts(&mut self) {
         let line = self.line;
-        self.require(self.is_part(line.product), line.span, || {
-            "the line's end product is not one of its part types".to_owned()
+        let products = &line.products;
+        let known = !products.is_empty() && products.iter().all(|part| self.is_part(*part));
+        self.require(known, line.span, || {
+            "an end product of the line is not one of its part types".to_owned()
         });
         let calendar = line.calendar.as_ref();
         self.require(
@@ -214,7 +216,16 @@ impl Check<'_> {
                     });
                 }
             }
-            NodeKind::Buffer { capacity, order } => {
+            NodeKind::Buffer {
+                capacity,
+                order,
+                dwell,
+                shelf_life,
+            } => {
+                self.distribution(dwell, node.span, name, "dwell time");
+                self.require(shelf_life.is_none_or(is_duration), node.span, || {
+                    format!("the shelf life of {name} is not a valid time")
+                });
                 self.require(*capacity > 0, node.span, || {
                     format!("the capacity of {name} is 0")
                 });

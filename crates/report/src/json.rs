@@ -5,7 +5,7 @@
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
-use linewright_line::trace::{End, Shares, SourceStatistics};
+use linewright_line::trace::{End, LeadTime, Shares, SourceStatistics};
 use linewright_line::{Bottleneck, Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
@@ -69,6 +69,7 @@ pub fn json(
                 "full": round(buffer.full, 6),
                 "mean_wait_seconds": round(buffer.wait, 6),
                 "max_wait_seconds": round(buffer.longest_wait, 6),
+                "expired": buffer.expired,
             })
         })
         .collect();
@@ -147,7 +148,7 @@ pub fn json(
         "warm_up_seconds": round(trace.warm_up, 6),
         "makespan_seconds": round(trace.makespan, 6),
         "events": trace.events,
-        "product": part_name(line.product),
+        "product": line.products.first().and_then(|part| part_name(*part)),
         "products": trace.products,
         "stored": trace.stored,
         "parts": {
@@ -165,12 +166,7 @@ pub fn json(
             "mean": round(trace.wip.mean, 6),
             "max": trace.wip.max,
         },
-        "lead_time": {
-            "mean": round(trace.lead_time.mean, 6),
-            "p50": round(trace.lead_time.p50, 6),
-            "p95": round(trace.lead_time.p95, 6),
-            "max": round(trace.lead_time.max, 6),
-        },
+        "lead_time": lead_time(trace.lead_time),
         "energy_kwh": kwh(trace.joules),
         "bottleneck": trace.bottleneck.station().map(|station| station.name.as_str()),
         "limited_by": limited_by(&trace.bottleneck),
@@ -187,11 +183,32 @@ pub fn json(
         if let Some(seconds) = wall_seconds {
             fields.insert("wall_seconds".to_owned(), round(seconds, 6).into());
         }
+        if !trace.by_type.is_empty() {
+            let products = trace.by_type.iter().map(|product| {
+                json!({
+                    "part": part_name(product.part),
+                    "products": product.products,
+                    "throughput_per_hour": round(product.throughput_per_hour, 6),
+                    "lead_time": lead_time(product.lead_time),
+                })
+            });
+            let products: Vec<Value> = products.collect();
+            fields.insert("products_by_type".to_owned(), products.into());
+        }
         if let Some(replications) = replications {
             fields.insert("replications".to_owned(), replicated(replications));
         }
     }
     document
+}
+
+fn lead_time(times: LeadTime) -> Value {
+    json!({
+        "mean": round(times.mean, 6),
+        "p50": round(times.p50, 6),
+        "p95": round(times.p95, 6),
+        "max": round(times.max, 6),
+    })
 }
 
 fn limited_by(bottleneck: &Bottleneck) -> Value {

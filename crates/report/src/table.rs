@@ -16,6 +16,7 @@ pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) ->
         let _ = writeln!(out, "  {:<12} seed {first}; all seeds are below", "run");
     }
     summary(&mut out, line, trace);
+    products(&mut out, line, trace);
     stations(&mut out, trace);
     conveyors(&mut out, trace);
     buffers(&mut out, trace);
@@ -40,7 +41,6 @@ pub fn settings(set: &BTreeMap<&str, &str>) -> String {
 }
 
 fn summary(out: &mut String, line: &Line, trace: &Trace) {
-    let product = line.parts.get(line.product).map_or("product", |p| &p.name);
     let ending = match trace.end {
         End::Products => "",
         End::Time => " (the end time was reached)",
@@ -58,7 +58,7 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     };
     row(
         "products",
-        format!("{} {product} {verb}{ending}", trace.products),
+        format!("{} {verb}{ending}", counted_products(line, trace)),
     );
     row("makespan", duration(trace.makespan));
     let how = if trace.warm_up_found {
@@ -170,6 +170,57 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     }
 }
 
+/// The number of products, with the name of the type or the number of each type: `120 (80 Bottle, 40
+/// Can)`.
+fn counted_products(line: &Line, trace: &Trace) -> String {
+    let total = trace.products;
+    let name = |part: usize| line.parts.get(part).map_or("product", |p| &p.name);
+    if let Some(product) = line.only_product() {
+        return format!("{total} {}", name(product));
+    }
+    let each = trace.by_type.iter();
+    let each = each.map(|product| format!("{} {}", product.products, name(product.part)));
+    format!("{total} ({})", each.collect::<Vec<_>>().join(", "))
+}
+
+fn products(out: &mut String, line: &Line, trace: &Trace) {
+    let rows = trace.by_type.iter().map(|product| {
+        let times = product.lead_time;
+        let times = [times.mean, times.p50, times.p95, times.max];
+        let lead_time = times.map(|seconds| {
+            if product.products > 0 {
+                duration(seconds)
+            } else {
+                "-".to_owned()
+            }
+        });
+        [
+            line.parts
+                .get(product.part)
+                .map_or("?", |p| &p.name)
+                .to_owned(),
+            product.products.to_string(),
+            format!("{:.2}", product.throughput_per_hour),
+        ]
+        .into_iter()
+        .chain(lead_time)
+        .collect()
+    });
+    columns(
+        out,
+        &[
+            "product",
+            "finished",
+            "an hour",
+            "mean lead time",
+            "median",
+            "95th percentile",
+            "maximum",
+        ],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
 fn stations(out: &mut String, trace: &Trace) {
     let rows = trace.stations.iter().map(|station| {
         let s = &station.shares;
@@ -216,8 +267,10 @@ fn conveyors(out: &mut String, trace: &Trace) {
 }
 
 fn buffers(out: &mut String, trace: &Trace) {
+    let expire = trace.buffers.iter().any(|buffer| buffer.expired > 0);
     let rows = trace.buffers.iter().map(|buffer| {
-        vec![
+        let expired = expire.then(|| buffer.expired.to_string());
+        [
             buffer.name.clone(),
             buffer.passed.to_string(),
             format!("{:.2}", buffer.length),
@@ -226,20 +279,21 @@ fn buffers(out: &mut String, trace: &Trace) {
             duration(buffer.wait),
             duration(buffer.longest_wait),
         ]
+        .into_iter()
+        .chain(expired)
+        .collect()
     });
-    columns(
-        out,
-        &[
-            "buffer",
-            "parts",
-            "mean length",
-            "maximum",
-            "full",
-            "mean wait",
-            "longest wait",
-        ],
-        &rows.collect::<Vec<_>>(),
-    );
+    let mut heads = vec![
+        "buffer",
+        "parts",
+        "mean length",
+        "maximum",
+        "full",
+        "mean wait",
+        "longest wait",
+    ];
+    heads.extend(expire.then_some("expired"));
+    columns(out, &heads, &rows.collect::<Vec<_>>());
 }
 
 fn machines(out: &mut String, trace: &Trace) {

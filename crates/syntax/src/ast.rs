@@ -9,7 +9,7 @@ pub use skills::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, Situation, Skill, SkillCalls,
     SkillComponent, SkillItem, SkillSet, Times,
 };
-pub use time::{Between, Failures, Outcome, TimeValue};
+pub use time::{Between, Failures, InterruptedWork, Outcome, TimeValue};
 
 use super::binds;
 use linewright_core::source::Span;
@@ -728,8 +728,8 @@ pub enum LineItem {
         /// Properties of each part.
         properties: Vec<TypedDecl>,
     },
-    /// `product P`
-    Product(Name),
+    /// `product P, Q`
+    Product(Vec<Name>),
     /// `source ...`
     Source {
         /// Name of the source.
@@ -766,6 +766,10 @@ pub enum LineItem {
         capacity: u64,
         /// Which part leaves first, if it is not the one that came first.
         order: Option<BufferOrder>,
+        /// Minimum time of a part in the buffer, if any.
+        dwell: Option<TimeValue>,
+        /// Maximum time of a part in the buffer, if any.
+        shelf_life: Option<Expr>,
     },
     /// `conveyor ...`
     Conveyor {

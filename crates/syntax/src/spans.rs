@@ -208,9 +208,17 @@ fn line(l: &mut Line) {
                 counted(bill);
                 properties.iter_mut().for_each(typed);
             }
-            LineItem::Product(n) => name(n),
-            LineItem::Buffer { name: n, order, .. } => {
+            LineItem::Product(names) => names.iter_mut().for_each(name),
+            LineItem::Buffer {
+                name: n,
+                order,
+                dwell,
+                shelf_life,
+                ..
+            } => {
                 name(n);
+                dwell.iter_mut().for_each(duration);
+                exprs(shelf_life);
                 if let Some(BufferOrder::Highest(p) | BufferOrder::Lowest(p)) = order {
                     name(p);
                 }

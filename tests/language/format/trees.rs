@@ -439,7 +439,11 @@ impl<'n> Choices<'n> {
             },
             mttr: self.duration(),
             calendar: self.maybe(),
-            restarts: self.maybe(),
+            interrupted: [
+                InterruptedWork::Resumes,
+                InterruptedWork::Restarts,
+                InterruptedWork::ScrapsPart,
+            ][self.pick(3)],
             span: Span::default(),
         }
     }
@@ -506,7 +510,7 @@ impl<'n> Choices<'n> {
                 bill: self.list(0, 3, Self::counted),
                 properties: self.list(0, 2, |c| c.typed(0, 1)),
             },
-            1 => LineItem::Product(place),
+            1 => LineItem::Product(self.list(1, 3, Self::plain)),
             2 => LineItem::Source {
                 name: place,
                 part: self.plain(),
@@ -538,6 +542,8 @@ impl<'n> Choices<'n> {
                     1 => BufferOrder::Highest(c.plain()),
                     _ => BufferOrder::Lowest(c.plain()),
                 }),
+                dwell: self.option(Self::duration),
+                shelf_life: self.option(Self::expr),
             },
             6 => LineItem::Conveyor {
                 name: place,

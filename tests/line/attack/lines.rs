@@ -248,6 +248,8 @@ impl Draft {
                                 "failures mtbf 20 s mttr 50 s",
                                 "failures mtbf 60 s mttr 30 s by calendar",
                                 "failures every 3 parts mttr 40 s",
+                                "failures mtbf 30 s mttr 10 s scrap",
+                                "failures mtbf 40 s mttr 20 s by calendar scrap",
                             ])
                             .to_owned(),
                     );
@@ -257,7 +259,20 @@ impl Draft {
             6 | 7 => {
                 let name = format!("b{at}");
                 let order = if chance.percent(10) { " lifo" } else { "" };
-                let head = format!("buffer {name} capacity {}{order}", 1 + chance.below(3));
+                let rest = if chance.percent(20) {
+                    chance.pick(&[
+                        " dwell 8 s",
+                        " dwell uniform(1 s, 30 s)",
+                        " shelf life 40 s",
+                        " dwell 5 s shelf life 60 s",
+                    ])
+                } else {
+                    ""
+                };
+                let head = format!(
+                    "buffer {name} capacity {}{order}{rest}",
+                    1 + chance.below(3)
+                );
                 (name, head, None)
             }
             8 => {

@@ -180,7 +180,7 @@ fn failures_of(line: &Line, trace: &Trace) -> Vec<Failure> {
         let texts: Vec<_> = trace.findings.iter().map(|f| f.message.as_str()).collect();
         general(texts.last().unwrap_or(&""))
     };
-    let product = || names([line.parts[line.product].name.as_str()]);
+    let product = || names([line.parts[line.products[0]].name.as_str()]);
     // A refused part is not made either, and may be missing elsewhere: that counts as one failure.
     let refused = !trace.violations.is_empty();
     match trace.end {
@@ -245,8 +245,11 @@ fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
             continue;
         };
         // Orders are for the product; types that are not in it may have none.
-        let ordered =
-            *part == line.product || line.parts[line.product].bill.iter().any(|(c, _)| c == part);
+        let is_in = |product: &usize| {
+            let mut bill = line.parts[*product].bill.iter();
+            part == product || bill.any(|(component, _)| component == part)
+        };
+        let ordered = line.products.iter().any(is_in);
         let endless = match supply {
             Supply::OnOrder => ordered,
             Supply::Every { limit, .. } => limit.is_none(),

@@ -35,7 +35,7 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
     for (place, declared) in abstraction.shape.places.iter().enumerate() {
         let capacity = match declared.kind {
             PlaceKind::Conveyor { places, .. } => places,
-            PlaceKind::Room { capacity } => capacity,
+            PlaceKind::Room { capacity, .. } => capacity,
             _ => continue,
         };
         let expr = match &model.vars(place).queue {

@@ -114,8 +114,31 @@ impl Distribution {
         }
     }
 
+    /// The greatest lower bound of the draws, in seconds.
+    pub fn least(&self) -> f64 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Uniform { low, .. }
+            | Self::Triangular { low, .. }
+            | Self::Beta { low, .. }
+            | Self::Pert { low, .. } => low,
+            Self::Normal { mean, deviation } | Self::Lognormal { mean, deviation } => {
+                if deviation > 0.0 { 0.0 } else { mean }
+            }
+            Self::Exponential { .. }
+            | Self::Erlang { .. }
+            | Self::Gamma { .. }
+            | Self::Weibull { .. } => 0.0,
+            Self::Discrete(ref outcomes) => outcomes
+                .iter()
+                .filter(|(_, p)| *p > 0.0)
+                .map(|(value, _)| *value)
+                .fold(f64::INFINITY, f64::min),
+        }
+    }
+
     /// The least upper bound of the draws, in seconds; [`MAX_SECONDS`] if they are unbounded.
-    fn greatest(&self) -> f64 {
+    pub fn greatest(&self) -> f64 {
         let unbounded = |scale: f64| if scale > 0.0 { MAX_SECONDS } else { 0.0 };
         match *self {
             Self::Constant(value) => value,

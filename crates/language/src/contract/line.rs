@@ -3,7 +3,7 @@
 
 use super::calendar::WorkCalendar;
 use super::distribution::Distribution;
-use super::machine::{FailureMode, Machine, RealExpr};
+use super::machine::{FailureMode, InterruptedWork, Machine, RealExpr};
 use linewright_core::gr1::describe_domain;
 use linewright_core::source::Span;
 use std::ops::Range;
@@ -18,8 +18,8 @@ pub struct Line {
     pub doc: String,
     /// Types of mobile units.
     pub parts: Vec<PartType>,
-    /// End product, as an index into `parts`.
-    pub product: usize,
+    /// End products, as indices into `parts`, each once; at least one in a line without errors.
+    pub products: Vec<usize>,
     /// Every place in which a part can be.
     pub nodes: Vec<Node>,
     /// Routes between places, in order of priority. Of the routes for its type that start at its
@@ -174,8 +174,12 @@ pub enum NodeKind {
     Buffer {
         /// Capacity in parts.
         capacity: u32,
-        /// Which part leaves first.
+        /// Which part leaves first, of those that are ready to leave.
         order: BufferOrder,
+        /// Time that each part rests here before it is ready to leave.
+        dwell: Distribution,
+        /// Maximum time of a part here, in seconds. After it, the part is removed as scrap.
+        shelf_life: Option<f64>,
     },
 }
 
@@ -224,8 +228,9 @@ pub enum Supply {
         limit: Option<u64>,
     },
     /// Parts are made on order. There is one order for each end product of the run's limit
-    /// (unlimited if only a time is given), and one for each part that a sink reorders. An order is
-    /// for as many parts as one product (or the rejected part) contains, but for at least one part.
+    /// (unlimited if only a time is given, or if the line has several end products), and one for
+    /// each part that a sink reorders. An order is for as many parts as one product (or the rejected
+    /// part) contains, but for at least one part.
     OnOrder,
 }
 
@@ -272,6 +277,32 @@ impl Line {
         match &self.nodes[node].kind {
             NodeKind::Station(station) => station.calendar.as_ref().or(self.calendar.as_ref()),
             _ => None,
+        }
+    }
+
+    /// Returns whether parts of this type are an end product.
+    pub fn is_product(&self, part: usize) -> bool {
+        self.products.contains(&part)
+    }
+
+    /// Returns the end product, if there is only one.
+    pub fn only_product(&self) -> Option<usize> {
+        match self.products[..] {
+            [product] => Some(product),
+            _ => None,
+        }
+    }
+
+    /// Returns whether parts can leave the line at a node that is no sink or store: those in work
+    /// at a station when a failure scraps them, and those that expire in a buffer.
+    pub fn can_lose_parts(&self, node: usize) -> bool {
+        match &self.nodes[node].kind {
+            NodeKind::Station(station) => {
+                let mut modes = station.failures.iter();
+                modes.any(|mode| mode.interrupted == InterruptedWork::ScrapsPart)
+            }
+            NodeKind::Buffer { shelf_life, .. } => shelf_life.is_some(),
+            _ => false,
         }
     }
 

@@ -36,6 +36,7 @@ use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Side, Specification, UnaryOp, Variable, describe_domain,
 };
 use linewright_core::source::Span;
+pub use linewright_syntax::ast::InterruptedWork;
 use std::sync::Arc;
 
 /// A machine with values for all its parameters.
@@ -288,8 +289,8 @@ pub struct FailureMode {
     pub between: Between,
     /// Time to repair.
     pub repair: Distribution,
-    /// Whether interrupted work begins again after the repair. If not, it resumes where it stopped.
-    pub restarts: bool,
+    /// What happens to the work that a failure interrupts.
+    pub interrupted: InterruptedWork,
 }
 
 /// What lies between the end of a repair and the next failure.

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 /// Adds findings about the routes of a line to `findings`.
 pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
-    let mut product_ends = false;
+    let mut ended: Vec<usize> = Vec::new();
     for route in &line.routes {
         let (place, ty) = (&line.nodes[route.to], &line.parts[route.part]);
         if matches!(place.kind, NodeKind::Source { .. }) {
@@ -56,11 +56,13 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
             let arrives = !origins.contains(&node);
             match &place.kind {
                 NodeKind::Sink { reject, .. } => {
-                    product_ends |= part == line.product && !reject;
+                    if !reject {
+                        ended.push(part);
+                    }
                     continue;
                 }
                 NodeKind::Store { .. } if arrives => {
-                    product_ends |= part == line.product;
+                    ended.push(part);
                     continue;
                 }
                 NodeKind::Source { .. } if arrives => continue,
@@ -114,7 +116,8 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
             }
         }
     }
-    if !product_ends && let Some(product) = line.parts.get(line.product) {
+    let unfinished = line.products.iter().filter(|part| !ended.contains(part));
+    for product in unfinished.filter_map(|part| line.parts.get(*part)) {
         findings.push(
             Diagnostic::error(
                 codes::LINE_ROUTE,
@@ -267,9 +270,9 @@ fn missing_origin(line: &Line, part: usize) -> String {
     }
 }
 
-/// Returns whether the part type is the product, or occurs in a route or a bill of materials.
+/// Returns whether the part type is a product, or occurs in a route or a bill of materials.
 fn is_used(line: &Line, part: usize) -> bool {
-    part == line.product
+    line.is_product(part)
         || line.routes.iter().any(|r| r.part == part)
         || line
             .parts

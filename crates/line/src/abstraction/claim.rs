@@ -7,9 +7,10 @@
 //! every run: a place that needs the decision after all cannot proceed.)
 
 use super::lemmas;
+use super::losses;
 use super::parts::formula;
 use super::requirements::{
-    COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED,
+    COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, orders_are_finished,
 };
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
@@ -64,7 +65,8 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         let to_all = model.shape.to(place, part);
         let ways = declared.ways.iter().find(|ways| ways.part == part);
         for exit in ways.iter().flat_map(|ways| &ways.exits) {
-            if to_all.iter().all(|to| exit.to.contains(to)) {
+            let is_loss = |to: &usize| losses::is_loss(line, model.shape.places[*to].node);
+            if to_all.iter().all(|to| exit.to.contains(to)) || exit.to.iter().any(is_loss) {
                 continue;
             }
             let names = exit
@@ -185,25 +187,22 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
     let moves = any((0..model.shape.places.len()).map(|place| can_go_on(model, place)));
     goal.invariants
         .push(formula(line.span, NO_CIRCULAR_WAIT, text, &moves));
-    let finished = model
-        .shape
-        .places
-        .iter()
-        .enumerate()
-        .filter_map(|(place, declared)| match &declared.kind {
-            PlaceKind::End { finishes, .. } if finishes.contains(&model.shape.product) => {
-                Some(model.arrives(place, model.shape.product))
+    for &product in &model.shape.products {
+        let places = model.shape.places.iter().enumerate();
+        let finished = any(places.filter_map(|(place, declared)| match &declared.kind {
+            PlaceKind::End { finishes, .. } if finishes.contains(&product) => {
+                Some(model.arrives(place, product))
             }
             _ => None,
-        });
-    let product = &model.shape.types[model.shape.product];
-    let text = format!(
-        "{} is finished again and again, as long as more are ordered",
-        an(product)
-    );
-    let finished = any(finished);
-    goal.justice
-        .push(formula(line.span, ORDERS_ARE_FINISHED, &text, &finished));
+        }));
+        let text = format!(
+            "{} is finished again and again, as long as more are ordered",
+            an(&model.shape.types[product])
+        );
+        let name = orders_are_finished(model.shape, product);
+        goal.justice
+            .push(formula(line.span, &name, &text, &finished));
+    }
     goal
 }
 

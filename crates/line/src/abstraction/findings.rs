@@ -3,7 +3,7 @@
 use super::Abstraction;
 use super::chain::{Chain, View};
 use super::decide::{Open, Verdict};
-use super::requirements::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
+use super::requirements::{NO_CIRCULAR_WAIT, orders_are_finished};
 use super::shape::{Place, PlaceKind, Shape};
 use linewright_algebra::proof::Refutation;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -104,8 +104,7 @@ fn unfinished(
             codes::LINE_CYCLE,
             "some parts can deadlock (circular wait) while others go on".to_owned(),
         )
-    } else if goal.name == ORDERS_ARE_FINISHED {
-        let product = &abstraction.shape.types[abstraction.shape.product];
+    } else if let Some(product) = product_of(&abstraction.shape, &goal.name) {
         (
             codes::LINE_UNFINISHED,
             format!(
@@ -134,6 +133,13 @@ fn unfinished(
         .with_note(format!("before that, {}", moves(abstraction, run)))
         .with_note(format!("from then on, repeatedly, {going}"))
         .with_help(advice(line, abstraction, &chain))
+}
+
+/// The product whose orders a goal with this name is about.
+fn product_of<'s>(shape: &'s Shape, goal: &str) -> Option<&'s str> {
+    let mut products = shape.products.iter();
+    let product = products.find(|part| orders_are_finished(shape, **part) == goal)?;
+    Some(&shape.types[*product])
 }
 
 /// Describes how many parts move on each way in a run.
@@ -225,7 +231,8 @@ fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
             continue;
         }
         let name = &place.name;
-        let needed = shape.contents[shape.product][part].max(1);
+        let needed = shape.products.iter().map(|p| shape.contents[*p][part]);
+        let needed = needed.fold(1, u64::max);
         match most {
             None => found.push(format!(
                 "write `at most N in the line` behind source {name}"

@@ -26,7 +26,8 @@
 //!
 //! - *Times.* Service, travel and the time between two supplies take some time and end. What is
 //!   proved holds for all durations; a counterexample can occur with some durations, but perhaps
-//!   not with those of the line. Setup, breakdowns, repairs and shifts only take time.
+//!   not with those of the line. Setup, breakdowns, repairs and shifts only take time. For parts
+//!   that are lost by them, see [`with_losses`].
 //! - *Properties.* Which of several routes a part takes is left open each time, and each route is
 //!   taken again and again. [`super::calls`] omits the routes that no part takes, and determines
 //!   for which of the others chance guarantees this. For the rest, it is a premise.
@@ -46,6 +47,7 @@ mod decide;
 mod findings;
 mod lemmas;
 mod limited;
+mod losses;
 mod parts;
 mod requirements;
 mod shape;
@@ -54,6 +56,7 @@ pub(crate) mod words;
 
 pub use decide::{Open, Verdict, decide, examine, has_a_run};
 pub use findings::findings;
+pub use losses::with_losses;
 pub use requirements::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED};
 pub use shape::{Place, PlaceKind, Shape, Ways, Work};
 pub use vocabulary::{Model, Phase, Queue, Vars, Vocabulary};
@@ -80,6 +83,8 @@ impl Abstraction {
     /// Abstracts a line accepted by the resolver. A part that can move does so eventually. The
     /// contract of a place therefore involves only the place and its neighbors, and allows slightly
     /// more than the runner does: of two sources that take turns, one can be late.
+    ///
+    /// The line is one that [`with_losses`] has returned.
     ///
     /// # Errors
     /// Returns the reason if something in the line has no abstraction, or would make it too large.

@@ -148,12 +148,17 @@ impl Writer<'_> {
 
     /// Adds that events that take time happen only when nothing can move at once any more. Supplies
     /// are exempt, unless they lead only to sinks and stores, because their next part comes at once
-    /// if it is overdue or has just been brought.
+    /// if it is overdue or has just been brought. So are buffers in which parts rest: the next part
+    /// may have rested long enough when the first one leaves.
     fn in_time(&mut self, settled: &Expr) {
         let (model, place) = (self.model, self.place);
         let is_supply = matches!(model.shape.places[place].kind, PlaceKind::Supply { .. });
         let may_be_overdue = is_supply && !model.shape.leads_to_ends_only(place);
-        if may_be_overdue || !model.takes_time(place) {
+        let rests = matches!(
+            model.shape.places[place].kind,
+            PlaceKind::Room { dwells: true, .. }
+        );
+        if may_be_overdue || rests || !model.takes_time(place) {
             return;
         }
         let vars = model.vars(place);

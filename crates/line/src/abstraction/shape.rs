@@ -6,9 +6,10 @@
 //! because a belt can hand over and take parts only in its own step.
 
 use super::belt::{self, Room};
+use super::losses;
 use crate::undecided::UndecidedReason;
 use linewright_language::contract::line::{Belt, BufferOrder, Choice, Line, Node, NodeKind};
-use linewright_language::contract::machine::Between;
+use linewright_language::contract::machine::{Between, InterruptedWork};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -110,6 +111,9 @@ pub enum PlaceKind {
     Room {
         /// Capacity in parts.
         capacity: u32,
+        /// Whether it can take time until a part is ready to leave, or leaves the line because it
+        /// has expired.
+        dwells: bool,
     },
 }
 
@@ -131,8 +135,8 @@ pub struct Shape {
     pub places: Vec<Place>,
     /// Names of the part types.
     pub types: Vec<String>,
-    /// Index of the end product's type.
-    pub product: usize,
+    /// Indices of the end products' types.
+    pub products: Vec<usize>,
     /// Number of parts of type `b` in one part of type `a`, at `[a][b]`; 1 if `a` is `b`.
     pub contents: Vec<Vec<u64>>,
 }
@@ -143,6 +147,12 @@ impl Shape {
     /// # Errors
     /// Returns the reason if something in the line has no abstraction.
     pub fn of(line: &Line) -> Result<Self, UndecidedReason> {
+        if let Some(node) = losses::untreated(line) {
+            return Err(UndecidedReason::because(format!(
+                "{} loses parts",
+                line.nodes[node].name
+            )));
+        }
         let mut places = Vec::new();
         // For each node: the place where parts arrive, and the place before a belt.
         let mut intake = vec![None; line.nodes.len()];
@@ -177,7 +187,13 @@ impl Shape {
                     .any(|r| r.to == node && belt(&line.nodes[r.from]))
             {
                 let name = format!("{}.before", declared.name);
-                before[node] = Some(add(name, PlaceKind::Room { capacity: 1 }));
+                before[node] = Some(add(
+                    name,
+                    PlaceKind::Room {
+                        capacity: 1,
+                        dwells: false,
+                    },
+                ));
             }
             let comes = line.routes.iter().any(|r| r.to == node);
             if let Some(kind) =
@@ -190,7 +206,7 @@ impl Shape {
         let mut shape = Self {
             places,
             types: line.parts.iter().map(|p| p.name.clone()).collect(),
-            product: line.product,
+            products: line.products.clone(),
             contents: Self::contents(line),
         };
         shape.connect(line, &intake, &before)?;
@@ -292,10 +308,16 @@ impl Shape {
     fn check_order(&self, line: &Line) -> Result<(), UndecidedReason> {
         let ordered = self.places.iter().filter(|place| {
             matches!(&line.nodes[place.node].kind,
-                NodeKind::Buffer { order, .. } if *order != BufferOrder::FirstIn)
+                NodeKind::Buffer { order, dwell, .. }
+                    if *order != BufferOrder::FirstIn || dwell.least() < dwell.greatest())
         });
+        let is_loss = |exit: &&Exit| {
+            let mut to = exit.to.iter();
+            to.any(|to| losses::is_loss(line, self.places[*to].node))
+        };
         for place in ordered {
-            let one = place.ways.len() <= 1 && place.ways.iter().all(|ways| ways.exits.len() == 1);
+            let kept = |ways: &Ways| ways.exits.iter().filter(|exit| !is_loss(exit)).count();
+            let one = place.ways.len() <= 1 && place.ways.iter().all(|ways| kept(ways) == 1);
             if !one {
                 return Err(UndecidedReason::because(format!(
                     "parts of several types, or with several ways onward, overtake one another in {}",
@@ -594,14 +616,17 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
 }
 
 /// Whether a node may take no part for a while although it has room. Failures by working time do
-/// not count: they interrupt work, which goes on after the repair.
+/// not count, unless they scrap the part: they interrupt work, which goes on after the repair.
 fn pauses(line: &Line, node: usize) -> bool {
     let NodeKind::Station(station) = &line.nodes[node].kind else {
         return false;
     };
     let mut modes = station.failures.iter();
     line.calendar_of(node).is_some()
-        || modes.any(|mode| !matches!(mode.between, Between::Working(_)))
+        || modes.any(|mode| {
+            let scraps = mode.interrupted == InterruptedWork::ScrapsPart;
+            scraps || !matches!(mode.between, Between::Working(_))
+        })
 }
 
 /// Whether there is always another part at once, however many were supplied. A stock counts as
@@ -644,8 +669,14 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
             sure: *places,
             machine: belt.is_some(),
         },
-        NodeKind::Buffer { capacity, .. } => PlaceKind::Room {
+        NodeKind::Buffer {
+            capacity,
+            dwell,
+            shelf_life,
+            ..
+        } => PlaceKind::Room {
             capacity: *capacity,
+            dwells: !dwell.is_zero() || shelf_life.is_some(),
         },
     }
 }

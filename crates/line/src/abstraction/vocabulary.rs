@@ -210,7 +210,7 @@ impl Vocabulary {
             PlaceKind::Conveyor {
                 places: capacity, ..
             }
-            | PlaceKind::Room { capacity } => {
+            | PlaceKind::Room { capacity, .. } => {
                 if matches!(declared.kind, PlaceKind::Conveyor { machine: false, .. }) {
                     vars.open = Some(add("open", Domain::Bool));
                 }
@@ -534,7 +534,8 @@ impl<'a> Model<'a> {
         match self.shape.places[place].kind {
             PlaceKind::Supply { always, .. } => !always,
             PlaceKind::Station { .. } | PlaceKind::Conveyor { .. } => true,
-            PlaceKind::Room { .. } | PlaceKind::End { .. } => false,
+            PlaceKind::Room { dwells, .. } => dwells,
+            PlaceKind::End { .. } => false,
         }
     }
 

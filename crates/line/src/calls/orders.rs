@@ -28,8 +28,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The sources whose orders have to continue, each with the reason. `line` is without routes that
 /// no part takes.
 pub(super) fn needed(line: &Line) -> BTreeMap<usize, String> {
-    let orders = LastOrders::of(line);
     let mut found = BTreeMap::new();
+    let Some(orders) = LastOrders::of(line) else {
+        return found;
+    };
     for join in &orders.joins {
         let bill = &line.parts[join.whole].bill;
         for &(waiting, _) in bill {
@@ -67,22 +69,27 @@ struct Join {
 
 struct LastOrders<'a> {
     line: &'a Line,
+    /// The only product.
+    product: usize,
     contents: Vec<Vec<u64>>,
     joins: Vec<Join>,
 }
 
 impl<'a> LastOrders<'a> {
-    fn of(line: &'a Line) -> Self {
+    /// `None` if there are several types of products: then, orders have no end.
+    fn of(line: &'a Line) -> Option<Self> {
+        let product = line.only_product()?;
         let mut joins = Vec::new();
         for station in 0..line.nodes.len() {
             let wholes = (0..line.parts.len()).filter(|part| line.is_joined_at(station, *part));
             joins.extend(wholes.map(|whole| Join { station, whole }));
         }
-        Self {
+        Some(Self {
             line,
+            product,
             contents: Shape::contents(line),
             joins,
-        }
+        })
     }
 
     /// The sources on order, each with its part type.
@@ -121,7 +128,7 @@ impl<'a> LastOrders<'a> {
         };
         let inside = (0..self.line.parts.len()).filter(|p| self.contains(part, *p));
         let mut ordered = inside.filter(|p| self.has_orders(*p));
-        self.contains(self.line.product, part)
+        self.contains(self.product, part)
             && ordered.all(|p| {
                 let is_joined = !self.line.parts[p].bill.is_empty();
                 makers(p).count() == usize::from(!is_joined)

@@ -53,6 +53,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
             _ => {}
         }
     }
+    add_losses(line, &mut found);
     for (index, route) in line.routes.iter().enumerate() {
         if calls.taken[index] && !calls.by_chance[index] {
             let kind = &line.parts[route.part].name;
@@ -75,6 +76,28 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
         }
     }
     found
+}
+
+/// Adds that each place which can lose parts passes on some of each type.
+fn add_losses(line: &Line, found: &mut Vec<Premise>) {
+    for (node, declared) in line.nodes.iter().enumerate() {
+        if !line.can_lose_parts(node) {
+            continue;
+        }
+        let from = &declared.name;
+        for route in line.routes.iter().filter(|route| route.from == node) {
+            let kind = &line.parts[route.part].name;
+            let premise = Premise {
+                name: format!("{from}_does_not_scrap_every_{kind}"),
+                text: format!(
+                    "as long as {kind} parts come to {from}, one of them eventually is not scrapped there"
+                ),
+            };
+            if !found.contains(&premise) {
+                found.push(premise);
+            }
+        }
+    }
 }
 
 /// Adds the premises of a store, one for each type of part that leaves it. If the type also arrives
@@ -106,11 +129,20 @@ fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
 
 /// Says that a part from a source on order leaves the line, but not in a product, and is not
 /// reordered; `None` if there is no such part. The source makes only as many parts as the requested
-/// products need, so some product lacks it.
+/// products need, so some product lacks it. With several types of products, orders have no end.
 fn lost(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<String> {
     let contents = Shape::contents(line);
-    if contents[line.product][part] == 0 {
+    let product = line.only_product()?;
+    if contents[product][part] == 0 {
         return None;
+    }
+    let name = &line.nodes[source].name;
+    let mut routes = line.routes.iter();
+    let scrapped =
+        routes.find(|route| contents[route.part][part] > 0 && line.can_lose_parts(route.from));
+    if let Some(route) = scrapped {
+        let (kind, from) = (&line.parts[route.part].name, &line.nodes[route.from].name);
+        return Some(format!("{} may be scrapped at {from}", an(kind)));
     }
     let leaves = |node: usize, kind: usize| {
         let mut routes = line.routes.iter();
@@ -126,14 +158,11 @@ fn lost(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<String
                     reject: true,
                     reorder,
                 } => *reorder != Some(source),
-                NodeKind::Sink { .. } => route.part != line.product,
-                NodeKind::Store { .. } => {
-                    route.part != line.product && !leaves(route.to, route.part)
-                }
+                NodeKind::Sink { .. } => route.part != product,
+                NodeKind::Store { .. } => route.part != product && !leaves(route.to, route.part),
                 _ => false,
             }
     })?;
-    let name = &line.nodes[source].name;
     let (kind, to) = (&line.parts[lost.part].name, &line.nodes[lost.to].name);
     Some(format!(
         "for {} that ends at {to}, no replacement is ordered from {name}",

@@ -1,6 +1,6 @@
 //! Determines whether parts can keep moving at one instant.
 //!
-//! Moving, waiting in a buffer or a store, and work shorter than [`MIN_SECONDS`] take no time. The
+//! Moving, waiting in a buffer without a dwell time or in a store, and work shorter than [`MIN_SECONDS`] take no time. The
 //! graph distinguishes the values of parts, so that a part that goes round three times and then
 //! leaves is not a cycle. Parts can move for ever at one instant if there is
 //!
@@ -83,7 +83,11 @@ fn is_quick(walk: &Walk<'_>, node: usize) -> bool {
 
 fn edges(walk: &Walk<'_>, at: usize) -> Vec<Edge> {
     let vertex = &walk.vertices[at];
-    let on_belt = matches!(walk.line.nodes[vertex.node].kind, NodeKind::Conveyor { .. });
+    let rests = match &walk.line.nodes[vertex.node].kind {
+        NodeKind::Conveyor { .. } => true,
+        NodeKind::Buffer { dwell, .. } => dwell.takes_time(),
+        _ => false,
+    };
     let edge = |to: usize| {
         let (free, always_free) = match (walk.vertices[to].stage, vertex.call) {
             (Stage::Served, Some(call)) => {
@@ -93,7 +97,7 @@ fn edges(walk: &Walk<'_>, at: usize) -> Vec<Edge> {
                 (free, free && known.all(quick))
             }
             (Stage::Served, None) if vertex.takes_time => (false, false),
-            (Stage::Leaves, _) if on_belt => (false, false),
+            (Stage::Leaves, _) if rests => (false, false),
             _ => (true, true),
         };
         Edge {

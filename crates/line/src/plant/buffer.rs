@@ -1,7 +1,12 @@
 //! Buffers: room for parts that wait.
+//!
+//! A part rests in its buffer for the dwell time, if there is one, and then is ready to leave. The
+//! order of the buffer is that of the parts that are ready.
 
 use super::part::{Part, PartIndex};
+use super::{Event, Place, Run, WORK};
 use crate::calls::Real;
+use crate::sampler::Sampler;
 use crate::statistics::{Level, Waits};
 use linewright_language::contract::line::BufferOrder;
 use std::collections::{BTreeMap, VecDeque};
@@ -11,20 +16,62 @@ use std::collections::{BTreeMap, VecDeque};
 pub(super) struct Buffer {
     capacity: usize,
     order: BufferOrder,
-    contents: Contents,
+    ready: Ready,
     /// Number of parts that have come.
     came: i64,
+    /// Draws the dwell times; `None` if there are none.
+    dwell: Option<Sampler>,
+    /// Parts that are not ready, by the time at which they will be.
+    resting: BTreeMap<(Real, i64), (Rank, Waiting)>,
+    /// Maximum time of a part in the buffer, in seconds.
+    shelf_life: Option<f64>,
+    /// Parts in the order in which they expire. Some have left already.
+    expiries: VecDeque<Expiry>,
     pub level: Level,
     pub waits: Waits,
+    /// Number of parts that have expired.
+    pub expired: u64,
 }
 
-/// Parts with the times at which they came.
+/// The lowest leaves first. The number decides between parts of the same rank.
+type Rank = (Real, i64);
+
+/// A part in a buffer.
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    part: PartIndex,
+    /// Time at which it came.
+    since: f64,
+    /// Its number among the parts that came.
+    number: i64,
+}
+
+/// Parts that are ready to leave.
 #[derive(Debug)]
-enum Contents {
+enum Ready {
     /// The first to leave in front.
-    Queue(VecDeque<(PartIndex, f64)>),
-    /// By rank, then by number: the lowest leaves first.
-    Ranked(BTreeMap<(Real, i64), (PartIndex, f64)>),
+    Queue(VecDeque<Waiting>),
+    /// By rank.
+    Ranked(BTreeMap<Rank, Waiting>),
+}
+
+/// A part that expires.
+#[derive(Debug)]
+struct Expiry {
+    time: f64,
+    number: i64,
+    rank: Rank,
+    ready_at: f64,
+}
+
+/// What follows from the arrival of a part.
+pub(super) struct Arrival {
+    /// Whether it will be the next to leave.
+    pub is_next: bool,
+    /// Time at which it is ready to leave, if that is not now.
+    pub ready_at: Option<f64>,
+    /// Time at which it expires.
+    pub expires_at: Option<f64>,
 }
 
 impl Buffer {
@@ -32,22 +79,38 @@ impl Buffer {
         Self {
             capacity: capacity as usize,
             order: order.clone(),
-            contents: match order {
-                BufferOrder::FirstIn => Contents::Queue(VecDeque::new()),
-                _ => Contents::Ranked(BTreeMap::new()),
+            ready: match order {
+                BufferOrder::FirstIn => Ready::Queue(VecDeque::new()),
+                _ => Ready::Ranked(BTreeMap::new()),
             },
             came: 0,
+            dwell: None,
+            resting: BTreeMap::new(),
+            shelf_life: None,
+            expiries: VecDeque::new(),
             level: Level::new(Some(u64::from(capacity))),
             waits: Waits::default(),
+            expired: 0,
         }
+    }
+
+    /// Lets each part rest for a time that is drawn.
+    pub(super) fn with_dwell(self, dwell: Option<Sampler>) -> Self {
+        Self { dwell, ..self }
+    }
+
+    /// Lets each part expire after these seconds.
+    pub(super) fn with_shelf_life(self, shelf_life: Option<f64>) -> Self {
+        Self { shelf_life, ..self }
     }
 
     /// Number of parts.
     pub(super) fn len(&self) -> usize {
-        match &self.contents {
-            Contents::Queue(queue) => queue.len(),
-            Contents::Ranked(ranked) => ranked.len(),
-        }
+        let ready = match &self.ready {
+            Ready::Queue(queue) => queue.len(),
+            Ready::Ranked(ranked) => ranked.len(),
+        };
+        ready + self.resting.len()
     }
 
     /// Whether there is room for another part.
@@ -57,24 +120,54 @@ impl Buffer {
 
     /// The part that leaves next.
     pub(super) fn first(&self) -> Option<PartIndex> {
-        match &self.contents {
-            Contents::Queue(queue) => queue.front().map(|(part, _)| *part),
-            Contents::Ranked(ranked) => ranked.first_key_value().map(|(_, (part, _))| *part),
+        match &self.ready {
+            Ready::Queue(queue) => queue.front().map(|waiting| waiting.part),
+            Ready::Ranked(ranked) => ranked.first_key_value().map(|(_, waiting)| waiting.part),
         }
     }
 
     pub(super) fn parts(&self) -> Box<dyn Iterator<Item = PartIndex> + '_> {
-        match &self.contents {
-            Contents::Queue(queue) => Box::new(queue.iter().map(|(part, _)| *part)),
-            Contents::Ranked(ranked) => Box::new(ranked.values().map(|(part, _)| *part)),
+        let resting = self.resting.values().map(|(_, waiting)| waiting.part);
+        match &self.ready {
+            Ready::Queue(queue) => Box::new(queue.iter().map(|w| w.part).chain(resting)),
+            Ready::Ranked(ranked) => Box::new(ranked.values().map(|w| w.part).chain(resting)),
         }
     }
 
-    /// A part comes. Returns whether it will be the next to leave.
-    pub(super) fn put(&mut self, index: PartIndex, part: &Part, now: f64) -> bool {
+    /// A part comes.
+    pub(super) fn put(&mut self, index: PartIndex, part: &Part, now: f64) -> Arrival {
         self.came += 1;
         self.level.add(now, 1);
-        let key = match &self.order {
+        let rank = self.rank(part);
+        let waiting = Waiting {
+            part: index,
+            since: now,
+            number: self.came,
+        };
+        let dwell = self.dwell.as_mut().map_or(0.0, Sampler::draw);
+        let ready_at = now + dwell;
+        let expires_at = self.shelf_life.map(|seconds| now + seconds);
+        self.expiries.extend(expires_at.map(|time| Expiry {
+            time,
+            number: self.came,
+            rank,
+            ready_at,
+        }));
+        if dwell > 0.0 {
+            self.resting
+                .insert((Real(ready_at), self.came), (rank, waiting));
+        } else {
+            self.make_ready(rank, waiting);
+        }
+        Arrival {
+            is_next: dwell <= 0.0 && self.first() == Some(index),
+            ready_at: (dwell > 0.0).then_some(ready_at),
+            expires_at,
+        }
+    }
+
+    fn rank(&self, part: &Part) -> Rank {
+        let (value, number) = match &self.order {
             BufferOrder::FirstIn => (0.0, self.came),
             BufferOrder::LastIn => (0.0, -self.came),
             BufferOrder::Property { highest, of } => {
@@ -83,31 +176,120 @@ impl Buffer {
                 (if *highest { -value } else { value }, self.came)
             }
         };
-        match &mut self.contents {
-            Contents::Queue(queue) => queue.push_back((index, now)),
-            Contents::Ranked(ranked) => {
-                // The sum makes -0 and 0 equal.
-                ranked.insert((Real(key.0 + 0.0), key.1), (index, now));
+        // The sum makes -0 and 0 equal.
+        (Real(value + 0.0), number)
+    }
+
+    fn make_ready(&mut self, rank: Rank, waiting: Waiting) {
+        match &mut self.ready {
+            Ready::Queue(queue) => queue.push_back(waiting),
+            Ready::Ranked(ranked) => {
+                ranked.insert(rank, waiting);
             }
         }
-        self.first() == Some(index)
+    }
+
+    /// The next part has rested long enough at `now`. Returns whether it will be the next to leave;
+    /// `None` if there is no such part, because it has expired.
+    fn end_rest(&mut self, now: f64) -> Option<bool> {
+        let first = self.resting.first_entry()?;
+        if first.key().0.0 > now {
+            return None;
+        }
+        let (rank, waiting) = first.remove();
+        self.make_ready(rank, waiting);
+        Some(self.first() == Some(waiting.part))
     }
 
     /// The first part leaves.
     pub(super) fn take(&mut self, now: f64) {
-        let taken = match &mut self.contents {
-            Contents::Queue(queue) => queue.pop_front(),
-            Contents::Ranked(ranked) => ranked.pop_first().map(|(_, taken)| taken),
+        let taken = match &mut self.ready {
+            Ready::Queue(queue) => queue.pop_front(),
+            Ready::Ranked(ranked) => ranked.pop_first().map(|(_, taken)| taken),
         };
-        if let Some((_, since)) = taken {
+        if let Some(Waiting { since, .. }) = taken {
             self.level.add(now, -1);
             self.waits.add(now - since);
         }
+    }
+
+    /// Removes the part that expires at `now`. Returns it, and whether it was the next to leave;
+    /// `None` if it has left already.
+    fn expire(&mut self, now: f64) -> Option<(PartIndex, bool)> {
+        if self.expiries.front()?.time > now {
+            return None;
+        }
+        let expiry = self.expiries.pop_front()?;
+        let first = self.first();
+        let resting = self.resting.remove(&(Real(expiry.ready_at), expiry.number));
+        let found = resting.map(|(_, waiting)| waiting);
+        let found = found.or_else(|| match &mut self.ready {
+            Ready::Queue(queue) => {
+                let at = queue.iter().position(|w| w.number == expiry.number)?;
+                queue.remove(at)
+            }
+            Ready::Ranked(ranked) => ranked.remove(&expiry.rank),
+        });
+        let Waiting { part, .. } = found?;
+        self.level.add(now, -1);
+        self.expired += 1;
+        Some((part, first == Some(part)))
     }
 
     /// Forgets what has been counted.
     pub(super) fn forget(&mut self, now: f64) {
         self.level.forget(now);
         self.waits = Waits::default();
+        self.expired = 0;
+    }
+}
+
+impl Run<'_> {
+    fn buffer(&mut self, node: usize) -> &mut Buffer {
+        match &mut self.places[node] {
+            Place::Buffer(buffer) => buffer,
+            _ => unreachable!("node {node} is not a buffer; please report this"),
+        }
+    }
+
+    /// A part comes to a buffer.
+    pub(super) fn buffer_arrival(&mut self, node: usize, arrival: &Arrival) {
+        if let Some(time) = arrival.ready_at {
+            self.schedule(time, WORK, Event::Rested(node as u32));
+        }
+        if let Some(time) = arrival.expires_at {
+            self.schedule(time, WORK, Event::Expiry(node as u32));
+        }
+        if arrival.is_next {
+            self.overtake(node);
+        }
+    }
+
+    /// A part has rested long enough in its buffer.
+    pub(super) fn rested(&mut self, node: usize) {
+        let now = self.now;
+        match self.buffer(node).end_rest(now) {
+            Some(true) => self.overtake(node),
+            Some(false) => {}
+            None => self.progress.skip_event(),
+        }
+    }
+
+    /// A part expires, and leaves the line as scrap.
+    pub(super) fn expire(&mut self, node: usize) {
+        let now = self.now;
+        let Some((part, was_next)) = self.buffer(node).expire(now) else {
+            self.progress.skip_event();
+            return;
+        };
+        if was_next {
+            self.overtake(node);
+            // The next part does not take the turn of one that is gone.
+            let outlet = self.setup.first_outlet[node];
+            self.outlets[outlet].since = None;
+        }
+        let replacement = self.replacement(self.parts[part].kind);
+        self.reject(node, part, replacement);
+        self.look_at(node);
     }
 }

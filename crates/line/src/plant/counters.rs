@@ -1,6 +1,8 @@
 //! Counters of a run: parts, products and their times.
 
+use super::part::Part;
 use crate::statistics::{LeadTimes, Level};
+use linewright_language::contract::line::Line;
 
 /// Maximum number of observations that are stored to find a warm-up.
 const MAX_OBSERVATIONS: usize = 1 << 20;
@@ -16,6 +18,8 @@ pub(super) struct Counters {
     pub makespan: f64,
     /// Lead times of the end products.
     pub lead_times: LeadTimes,
+    /// By type, if there are several types of end products: its lead times. Empty otherwise.
+    pub by_type: Vec<(usize, LeadTimes)>,
     /// Completion and lead time of each end product, in seconds, up to [`MAX_OBSERVATIONS`]; `None`
     /// if they are not wanted.
     pub observations: Option<Vec<(f64, f64)>>,
@@ -40,9 +44,13 @@ pub(super) struct Counters {
 }
 
 impl Counters {
-    /// Creates counters for this many part types, all 0. `seed` seeds the sample of lead times.
-    pub(super) fn new(types: usize, seed: u64) -> Self {
+    /// Creates counters, all 0. `seed` seeds the sample of lead times.
+    pub(super) fn new(line: &Line, seed: u64) -> Self {
+        let types = line.parts.len();
+        let several = line.only_product().is_none();
+        let by_type = line.products.iter().filter(|_| several);
         Self {
+            by_type: by_type.map(|part| (*part, LeadTimes::new(seed))).collect(),
             products: 0,
             stored: 0,
             makespan: 0.0,
@@ -61,14 +69,14 @@ impl Counters {
 
     /// Forgets what has been counted, but not which parts are in the line. `seed` seeds the sample
     /// of lead times.
-    pub(super) fn forget(&mut self, now: f64, seed: u64) {
+    pub(super) fn forget(&mut self, line: &Line, now: f64, seed: u64) {
         self.units.forget(now);
         *self = Self {
             before: self.units.level(),
             units: self.units.clone(),
             in_line: std::mem::take(&mut self.in_line),
             observations: self.observations.take(),
-            ..Self::new(self.rejects.len(), seed)
+            ..Self::new(line, seed)
         };
     }
 
@@ -85,17 +93,21 @@ impl Counters {
         self.unit_seconds += now - since.max(start);
     }
 
-    /// Counts an end product that entered at `entered_at` and is complete at `now`. `stored` states
-    /// whether it is in a store.
-    pub(super) fn count_product(&mut self, now: f64, entered_at: f64, stored: bool) {
+    /// Counts an end product that is complete at `now`. `stored` states whether it is in a store.
+    pub(super) fn count_product(&mut self, now: f64, product: &Part, stored: bool) {
+        let seconds = now - product.entered_at;
         self.products += 1;
         self.stored += u64::from(stored);
         self.makespan = now;
-        self.lead_times.add(now - entered_at);
+        self.lead_times.add(seconds);
+        let mut by_type = self.by_type.iter_mut();
+        if let Some((_, lead_times)) = by_type.find(|(kind, _)| *kind == product.kind) {
+            lead_times.add(seconds);
+        }
         if let Some(observations) = &mut self.observations
             && observations.len() < MAX_OBSERVATIONS
         {
-            observations.push((now, now - entered_at));
+            observations.push((now, seconds));
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::random::Purpose;
 use crate::sampler::Sampler;
 use crate::statistics::Activity;
 use crate::trace::EventKind;
-use linewright_language::contract::machine::{Between, FailureMode};
+use linewright_language::contract::machine::{Between, FailureMode, InterruptedWork};
 use std::collections::VecDeque;
 
 /// The failure modes of a station.
@@ -27,7 +27,7 @@ pub(super) struct Failures {
 struct Mode {
     trigger: Trigger,
     repair: Sampler,
-    restarts: bool,
+    interrupted: InterruptedWork,
 }
 
 /// What leads to the next failure.
@@ -60,7 +60,7 @@ impl Failures {
                     Between::Parts(count) => Trigger::Parts(*count, *count),
                 },
                 repair: Sampler::new(&mode.repair, stream(seed, Purpose::Repairs, &name)),
-                restarts: mode.restarts,
+                interrupted: mode.interrupted,
             }
         });
         Self {
@@ -162,15 +162,18 @@ impl Run<'_> {
         }
         station.pause(now);
         station.failures.current = Some(mode);
-        let Mode {
-            repair, restarts, ..
-        } = &mut station.failures.modes[mode];
-        let seconds = repair.draw();
-        if *restarts && matches!(station.phase, Phase::Setup | Phase::Service) {
+        let mode = &mut station.failures.modes[mode];
+        let seconds = mode.repair.draw();
+        let interrupted = mode.interrupted;
+        let works = matches!(station.phase, Phase::Setup | Phase::Service);
+        if interrupted == InterruptedWork::Restarts && works {
             station.restart();
         }
         station.clock.switch(now, Activity::Failed);
         self.record(node, None, EventKind::Failed);
+        if interrupted == InterruptedWork::ScrapsPart {
+            self.scrap(node);
+        }
         self.schedule(now + seconds, WORK, Event::Repair(node as u32));
     }
 

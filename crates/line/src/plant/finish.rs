@@ -5,8 +5,8 @@ use crate::bottleneck::Bottleneck;
 use crate::metric;
 use crate::statistics::Activity;
 use crate::trace::{
-    BufferStatistics, ConveyorStatistics, End, MachineStatistics, PartCounts, Reject,
-    SourceStatistics, StationStatistics, Trace, WorkInProgress,
+    BufferStatistics, ConveyorStatistics, End, MachineStatistics, PartCounts, ProductStatistics,
+    Reject, SourceStatistics, StationStatistics, Trace, WorkInProgress,
 };
 use linewright_language::contract::line::{Line, NodeKind, Supply};
 
@@ -88,6 +88,7 @@ impl Run<'_> {
                         full: buffer.level.full_share(),
                         wait: buffer.waits.mean(),
                         longest_wait: buffer.waits.max,
+                        expired: buffer.expired,
                     });
                 }
                 _ => {}
@@ -95,13 +96,21 @@ impl Run<'_> {
         }
         let parts = self.count_parts();
         self.check_littles_law();
-        let per_hour = |seconds: f64| {
+        let rate = |count: u64, seconds: f64| {
             if seconds > 0.0 {
-                self.counters.products as f64 * 3600.0 / seconds
+                count as f64 * 3600.0 / seconds
             } else {
                 0.0
             }
         };
+        let per_hour = |seconds: f64| rate(self.counters.products, seconds);
+        let by_type = self.counters.by_type.into_iter();
+        let by_type = by_type.map(|(part, lead_times)| ProductStatistics {
+            part,
+            products: lead_times.count(),
+            throughput_per_hour: rate(lead_times.count(), counted),
+            lead_time: lead_times.summary(),
+        });
         let on_shift_seconds = self
             .line
             .calendar
@@ -126,6 +135,7 @@ impl Run<'_> {
             },
             parts,
             lead_time: self.counters.lead_times.summary(),
+            by_type: by_type.collect(),
             // Starts from 0, because the sum of no numbers is -0.
             joules: 0.0
                 + stations.iter().map(|s| s.joules).sum::<f64>()

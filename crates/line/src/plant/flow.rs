@@ -433,11 +433,9 @@ impl Run<'_> {
             Place::Sink => self.sink(node, part),
             Place::Store(_) => self.store(node, part),
             Place::Buffer(buffer) => {
-                let is_next = buffer.put(part, &self.parts[part], self.now);
+                let arrival = buffer.put(part, &self.parts[part], self.now);
                 self.record(node, Some(part), EventKind::Arrived);
-                if is_next {
-                    self.overtake(node);
-                }
+                self.buffer_arrival(node, &arrival);
             }
             Place::Station(_) => self.station_arrival(node, part),
             Place::Conveyor(_) => self.conveyor_arrival(node, part),
@@ -446,9 +444,9 @@ impl Run<'_> {
         }
     }
 
-    /// Lets a part that has just come to a buffer leave next. If another part waits to leave, the
-    /// newcomer takes its turn.
-    fn overtake(&mut self, node: usize) {
+    /// Lets another part of a buffer leave next than the one that waits, if any. It takes the turn
+    /// of that part.
+    pub(super) fn overtake(&mut self, node: usize) {
         let outlet = self.setup.first_outlet[node];
         let setup = self.setup;
         self.outlets[outlet].part = None;
@@ -492,10 +490,10 @@ impl Run<'_> {
         self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;
         self.count_out(self.parts[part].kind);
-        if self.parts[part].kind == self.line.product {
+        if self.line.is_product(self.parts[part].kind) {
             let stored = matches!(self.places[node], Place::Store(_));
             self.counters
-                .count_product(self.now, self.parts[part].entered_at, stored);
+                .count_product(self.now, &self.parts[part], stored);
             self.progress
                 .count_product(self.events, self.journal.violation_count);
             if self.is_counting() && self.setup.target == Some(self.counters.products) {
@@ -531,8 +529,8 @@ impl Run<'_> {
         }
     }
 
-    /// The source from which a replacement is ordered for a part that was removed because of a
-    /// violation. Of the sources from which rejecting sinks reorder, this is the first that makes
+    /// The source from which a replacement is ordered for a part that was removed before it reached
+    /// a sink. Of the sources from which rejecting sinks reorder, this is the first that makes
     /// the part or something in it; if there is none, the first of all.
     pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
         let types = self.line.parts.len();

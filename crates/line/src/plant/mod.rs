@@ -24,7 +24,8 @@ mod supply;
 mod warm_up;
 
 use super::calendar::Calendar;
-use super::random::Stream;
+use super::random::{Purpose, Stream};
+use super::sampler::Sampler;
 use super::trace::{End, Trace};
 use super::{Options, validate};
 use belt::BeltState;
@@ -93,6 +94,10 @@ enum Event {
     Reopen(u32),
     /// A belt's controller is stepped.
     Tick(u32),
+    /// A part has rested long enough in its buffer.
+    Rested(u32),
+    /// A part expires in its buffer.
+    Expiry(u32),
     /// Some shifts begin or end, or breaks do.
     Shift,
     /// The warm-up ends.
@@ -285,16 +290,9 @@ impl<'a> Run<'a> {
             .iter()
             .enumerate()
             .map(|(index, node)| match &node.kind {
-                NodeKind::Source { part, supply, .. } => Place::Source(Source::new(
-                    &node.name,
-                    supply,
-                    seed,
-                    setup
-                        .target
-                        // During the warm-up, there are orders without end.
-                        .filter(|_| setup.options.warm_up <= 0.0)
-                        .map(|count| count.saturating_mul(setup.content(line.product, *part))),
-                )),
+                NodeKind::Source { part, supply, .. } => {
+                    Place::Source(Source::new(&node.name, supply, seed, setup.orders(*part)))
+                }
                 NodeKind::Sink { .. } => Place::Sink,
                 NodeKind::Store { stock } => Place::Store(Store::new(stock, line.parts.len())),
                 NodeKind::Station(declared) => Place::Station(Box::new(Station::new(
@@ -308,8 +306,18 @@ impl<'a> Run<'a> {
                     belt: Some(belt), ..
                 } => Place::Belt(Box::new(BeltState::new(belt))),
                 NodeKind::Conveyor { .. } => Place::Conveyor(Box::default()),
-                NodeKind::Buffer { capacity, order } => {
-                    Place::Buffer(Box::new(Buffer::new(*capacity, order)))
+                NodeKind::Buffer {
+                    capacity,
+                    order,
+                    dwell,
+                    shelf_life,
+                } => {
+                    let draws = || stream(seed, Purpose::Dwell, &node.name);
+                    let dwell = (!dwell.is_zero()).then(|| Sampler::new(dwell, draws()));
+                    let buffer = Buffer::new(*capacity, order)
+                        .with_dwell(dwell)
+                        .with_shelf_life(*shelf_life);
+                    Place::Buffer(Box::new(buffer))
                 }
             })
             .collect();
@@ -331,7 +339,7 @@ impl<'a> Run<'a> {
             choosers: Chooser::all(line, seed),
             agenda: Agenda::new(line.nodes.len()),
             end: None,
-            counters: Counters::new(line.parts.len(), seed),
+            counters: Counters::new(line, seed),
             journal: Journal::default(),
             progress: Progress::default(),
         }
@@ -395,6 +403,8 @@ impl<'a> Run<'a> {
             Event::Arrival(node) => self.arrival(node as usize),
             Event::Reopen(node) => self.reopen(node as usize),
             Event::Tick(node) => self.tick(node as usize),
+            Event::Rested(node) => self.rested(node as usize),
+            Event::Expiry(node) => self.expire(node as usize),
             Event::Shift => self.change_shift(),
             Event::WarmUp => self.end_warm_up(),
         }
@@ -422,6 +432,14 @@ impl<'a> Run<'a> {
 }
 
 impl Setup {
+    /// Number of parts of a type that are ordered at the start of a run; `None` if there are orders
+    /// without end: during the warm-up, and if the products may be of several types.
+    fn orders(&self, part: usize) -> Option<u64> {
+        let target = self.target.filter(|_| self.options.warm_up <= 0.0)?;
+        let product = self.line.only_product()?;
+        Some(target.saturating_mul(self.content(product, part)))
+    }
+
     /// Number of parts of type `b` in one part of type `a`, but at least 1.
     fn content(&self, a: usize, b: usize) -> u64 {
         self.contents[a * self.line.parts.len() + b].max(1)
@@ -429,6 +447,6 @@ impl Setup {
 }
 
 /// The random stream of a run for a purpose and the name of a node.
-fn stream(seed: u64, purpose: super::random::Purpose, name: &str) -> Stream {
+fn stream(seed: u64, purpose: Purpose, name: &str) -> Stream {
     Stream::new(seed, purpose, name)
 }

@@ -420,6 +420,19 @@ impl Run<'_> {
         self.look_at(node);
     }
 
+    /// Removes the part in work as scrap, and orders its replacement. Its work has used energy
+    /// nevertheless.
+    pub(super) fn scrap(&mut self, node: usize) {
+        let station = self.station(node);
+        let (Phase::Service, Some(part)) = (station.phase, station.part) else {
+            return;
+        };
+        station.joules += station.joules_so_far();
+        self.station_left(node);
+        let replacement = self.replacement(self.parts[part].kind);
+        self.reject(node, part, replacement);
+    }
+
     /// Begins to process a part, with setup first if the part type has changed.
     fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
         let now = self.now;

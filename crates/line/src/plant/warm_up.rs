@@ -63,7 +63,7 @@ impl Plant {
 impl Run<'_> {
     /// Ends the warm-up: what has been counted so far is forgotten. Violations and findings are
     /// kept. Parts that are in the line stay there. Sources on order, which have had orders without
-    /// end so far, get those for the wanted products.
+    /// end so far, get those for the wanted products, if these are of one type.
     pub(super) fn end_warm_up(&mut self) {
         let now = self.now;
         self.counting_since = Some(now);
@@ -80,8 +80,8 @@ impl Run<'_> {
                 Place::Sink | Place::Store(_) => {}
             }
         }
-        self.counters.forget(now, self.seed);
-        let Some(target) = self.setup.target else {
+        self.counters.forget(self.line, now, self.seed);
+        let (Some(target), Some(product)) = (self.setup.target, self.line.only_product()) else {
             return;
         };
         for (node, place) in self.line.nodes.iter().zip(&mut self.places) {
@@ -94,7 +94,7 @@ impl Run<'_> {
                 Place::Source(source),
             ) = (&node.kind, place)
             {
-                let each = self.setup.content(self.line.product, *part);
+                let each = self.setup.content(product, *part);
                 source.limit_orders(target.saturating_mul(each));
             }
         }

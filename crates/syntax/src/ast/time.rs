@@ -60,10 +60,22 @@ pub struct Failures {
     pub mttr: TimeValue,
     /// Whether the time between failures runs by the calendar, not by working time.
     pub calendar: bool,
-    /// Whether the interrupted work begins again after the repair.
-    pub restarts: bool,
+    /// What happens to the work that a failure interrupts.
+    pub interrupted: InterruptedWork,
     /// Place of the whole statement.
     pub span: Span,
+}
+
+/// What happens to work that a failure interrupts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum InterruptedWork {
+    /// It goes on after the repair.
+    #[default]
+    Resumes,
+    /// `restart`: it begins again after the repair.
+    Restarts,
+    /// `scrap`: the part is scrap.
+    ScrapsPart,
 }
 
 /// What lies between two failures.

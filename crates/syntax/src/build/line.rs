@@ -1,8 +1,8 @@
 //! Builds lines: parts, places and routes.
 
 use super::super::ast::{
-    Between, BufferOrder, Copies, Days, Failures, Hours, Line, LineItem, Outcome, PartCount, Shift,
-    StationItem, Stop, StopChoice, Supply, TimeValue,
+    Between, BufferOrder, Copies, Days, Failures, Hours, InterruptedWork, Line, LineItem, Outcome,
+    PartCount, Shift, StationItem, Stop, StopChoice, Supply, TimeValue,
 };
 use super::super::parser::Rule;
 use super::expression::binary_op;
@@ -82,7 +82,7 @@ impl Builder {
                 let first = self.name(&c.next());
                 LineItem::Holiday(first, c.take(Rule::date).map(|last| self.name(&last)))
             }
-            Rule::l_product => LineItem::Product(self.name(&c.next())),
+            Rule::l_product => LineItem::Product(c.rest().map(|name| self.name(&name)).collect()),
             Rule::l_part => {
                 let name = self.name(&c.next());
                 let bill = c.take(Rule::bill).map(Children::of);
@@ -160,10 +160,22 @@ impl Builder {
                         }
                     })
                 };
+                let dwell = c.take(Rule::dwell).map(|dwell| {
+                    let mut c = Children::of(dwell);
+                    c.take(Rule::dwell_word);
+                    self.duration(c.next())
+                });
+                let shelf_life = c.take(Rule::shelf_life).map(|life| {
+                    let mut c = Children::of(life);
+                    c.take(Rule::shelf_word);
+                    self.expr(c.next())
+                });
                 LineItem::Buffer {
                     name,
                     capacity,
                     order,
+                    dwell,
+                    shelf_life,
                 }
             }
             Rule::l_conveyor => {
@@ -380,7 +392,13 @@ impl Builder {
             between,
             mttr: self.duration(c.next()),
             calendar: c.take(Rule::by_calendar).is_some(),
-            restarts: c.take(Rule::restarts).is_some(),
+            interrupted: if c.take(Rule::restarts).is_some() {
+                InterruptedWork::Restarts
+            } else if c.take(Rule::scraps).is_some() {
+                InterruptedWork::ScrapsPart
+            } else {
+                InterruptedWork::Resumes
+            },
             span,
         }
     }

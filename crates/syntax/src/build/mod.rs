@@ -410,6 +410,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_route
             | Rule::k_row
             | Rule::k_sequence
+            | Rule::k_scrap
             | Rule::k_sets
             | Rule::k_setup
             | Rule::k_shift

@@ -39,9 +39,9 @@ impl Printer<'_> {
                     self.block(place, properties, true, |p, _, t| p.typed("property ", t));
                 }
             }
-            LineItem::Product(name) => {
+            LineItem::Product(names) => {
                 self.put("product ");
-                self.name(name);
+                self.list(names, |n| n.span, Self::name);
             }
             LineItem::Source {
                 name,
@@ -83,6 +83,8 @@ impl Printer<'_> {
                 name,
                 capacity,
                 order,
+                dwell,
+                shelf_life,
             } => {
                 self.put("buffer ");
                 self.name(name);
@@ -96,6 +98,14 @@ impl Printer<'_> {
                         self.name(property);
                         self.put(" first");
                     }
+                }
+                if let Some(dwell) = dwell {
+                    self.put(" dwell ");
+                    self.duration(dwell);
+                }
+                if let Some(life) = shelf_life {
+                    self.put(" shelf life ");
+                    self.expression(life);
                 }
             }
             LineItem::Conveyor {

@@ -1,8 +1,8 @@
 //! Prints machines.
 
 use super::super::ast::{
-    Between, Binding, Component, Expr, Failures, Machine, MachineItem, Outcome, Role, TimeValue,
-    TypedDecl,
+    Between, Binding, Component, Expr, Failures, InterruptedWork, Machine, MachineItem, Outcome,
+    Role, TimeValue, TypedDecl,
 };
 use super::printer::Printer;
 use linewright_core::source::Span;
@@ -112,7 +112,11 @@ impl Printer<'_> {
         } else {
             ""
         });
-        self.put(if failures.restarts { " restart" } else { "" });
+        self.put(match failures.interrupted {
+            InterruptedWork::Resumes => "",
+            InterruptedWork::Restarts => " restart",
+            InterruptedWork::ScrapsPart => " scrap",
+        });
     }
 
     pub(super) fn duration(&mut self, duration: &TimeValue) {

@@ -108,7 +108,7 @@ impl<'a> Builder<'a, '_> {
             name: decl.name.text.clone(),
             doc: decl.doc.clone(),
             parts: Vec::new(),
-            product: 0,
+            products: Vec::new(),
             nodes: Vec::new(),
             routes: Vec::new(),
             choices: Vec::new(),
@@ -134,12 +134,14 @@ impl<'a> Builder<'a, '_> {
                     kind: NodeKind::Buffer {
                         capacity: 1,
                         order: BufferOrder::FirstIn,
+                        dwell: Distribution::default(),
+                        shelf_life: None,
                     },
                     span: decl.name.span,
                 });
             }
         }
-        self.product(decl, &mut model);
+        self.products(decl, &mut model);
         self.report_duplicates(decl);
         for item in &decl.items {
             self.statement(item, &mut model);

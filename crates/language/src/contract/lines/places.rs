@@ -120,6 +120,8 @@ impl<'a> Builder<'a, '_> {
                 name,
                 capacity,
                 order,
+                dwell,
+                shelf_life,
             } => {
                 if *capacity == 0 || *capacity > 1_000_000 {
                     self.e.findings.error_with(
@@ -130,11 +132,21 @@ impl<'a> Builder<'a, '_> {
                     );
                     return None;
                 }
+                let dwell = match dwell {
+                    None => Some(Distribution::default()),
+                    Some(dwell) => duration(&mut self.e, dwell),
+                };
+                let shelf_life = match shelf_life {
+                    None => Some(None),
+                    Some(life) => self.shelf_life(life, dwell.as_ref()).map(Some),
+                };
                 Some((
                     name,
                     NodeKind::Buffer {
                         capacity: *capacity as u32,
                         order: self.buffer_order(order.as_ref()),
+                        dwell: dwell?,
+                        shelf_life: shelf_life?,
                     },
                 ))
             }

@@ -1,4 +1,4 @@
-//! Resolution of requirements, limits and the end product.
+//! Resolution of requirements, limits and the end products.
 
 use super::Builder;
 use crate::contract::elaborate::nearest;
@@ -12,24 +12,32 @@ use linewright_syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
 
 impl<'a> Builder<'a, '_> {
-    /// Sets the end product of the line. If none is declared, it is the only part type with a bill
+    /// Sets the end products of the line. If none is declared, it is the only part type with a bill
     /// of materials or, if no part type has a bill, the only part type.
-    pub(super) fn product(&mut self, decl: &'a ast::Line, model: &mut Line) {
+    pub(super) fn products(&mut self, decl: &'a ast::Line, model: &mut Line) {
         let mut named = decl.items.iter().filter_map(|i| match i {
-            LineItem::Product(name) => Some(name),
+            LineItem::Product(names) => Some(names),
             _ => None,
         });
         let joined: Vec<usize> = (0..self.parts.len())
             .filter(|i| !self.parts[*i].model.bill.is_empty())
             .collect();
         match (named.next(), joined.as_slice()) {
-            (Some(name), _) => {
-                if let Some(p) = self.find_part(name) {
-                    model.product = p;
+            (Some(names), _) => {
+                let mut seen: BTreeMap<usize, Span> = BTreeMap::new();
+                for name in names {
+                    let Some(part) = self.find_part(name) else {
+                        continue;
+                    };
+                    if let Some(first) = seen.insert(part, name.span) {
+                        self.e.findings.push(duplicate_name(name, first));
+                    } else {
+                        model.products.push(part);
+                    }
                 }
             }
-            (None, [one]) => model.product = *one,
-            (None, []) if self.parts.len() == 1 => model.product = 0,
+            (None, [one]) => model.products.push(*one),
+            (None, []) if self.parts.len() == 1 => model.products.push(0),
             _ => self.e.findings.error_with(
                 codes::LINE_UNKNOWN,
                 decl.name.span,
@@ -45,9 +53,11 @@ impl<'a> Builder<'a, '_> {
         let mut requirements: BTreeMap<&str, Span> = BTreeMap::new();
         for item in &decl.items {
             let (word, span, help) = match item {
-                LineItem::Product(name) => {
-                    ("product", name.span, "keep the product that a run counts")
-                }
+                LineItem::Product(names) => (
+                    "product",
+                    names[0].span,
+                    "list all products that a run counts in one statement: `product P, Q`",
+                ),
                 LineItem::Limit(value, _) => {
                     ("limit", value.span, "keep the limit at which a run ends")
                 }

@@ -1,7 +1,9 @@
 //! Resolution of routes, of the choices between them, and of the order of parts in buffers.
 
 use super::Builder;
+use crate::contract::distribution::Distribution;
 use crate::contract::line::{BufferOrder, Choice, Line, NodeKind, Route};
+use crate::contract::machines::non_negative;
 use crate::contract::value::Dimension;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Time;
@@ -50,6 +52,35 @@ impl<'a> Builder<'a, '_> {
                 }
             }
         }
+    }
+
+    /// Resolves the shelf life of parts in a buffer, in seconds. It must be longer than the shortest
+    /// dwell time; otherwise every part would expire.
+    pub(super) fn shelf_life(
+        &mut self,
+        written: &'a ast::Expr,
+        dwell: Option<&Distribution>,
+    ) -> Option<f64> {
+        let seconds = non_negative(&mut self.e, written, Dimension::Time)?;
+        let least = dwell.map_or(0.0, Distribution::least);
+        if seconds > least {
+            return Some(seconds);
+        }
+        let (message, help) = if seconds > 0.0 {
+            (
+                "every part expires before its dwell time is over",
+                "write a shelf life that is longer than the dwell time",
+            )
+        } else {
+            (
+                "every part expires at once",
+                "write a time such as `shelf life 8 h`",
+            )
+        };
+        self.e
+            .findings
+            .error_with(codes::ARGUMENT, written.span, message, help);
+        None
     }
 
     /// Reports part types that come to a buffer without the property that decides the order there.

@@ -349,6 +349,6 @@ fn failure_mode<'a>(e: &mut Elaborator<'a>, mode: &'a ast::Failures) -> Option<F
             .map_or_else(String::new, |n| n.text.clone()),
         between: between?,
         repair: repair?,
-        restarts: mode.restarts,
+        interrupted: mode.interrupted,
     })
 }

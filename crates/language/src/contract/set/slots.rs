@@ -236,8 +236,24 @@ impl Slots<'_> {
                     self.optional_count(format!("{}.at_most", name.text), most, name.span);
                 }
                 LineItem::Store { name, stock } => self.counted(&name.text, stock),
-                LineItem::Buffer { name, capacity, .. } => {
-                    self.count([format!("{}.capacity", name.text)], capacity, name.span);
+                LineItem::Buffer {
+                    name,
+                    capacity,
+                    dwell,
+                    shelf_life,
+                    ..
+                } => {
+                    let name_of = |what: &str| format!("{}.{what}", name.text);
+                    self.count([name_of("capacity")], capacity, name.span);
+                    let present = dwell.as_ref().map(|dwell| Present::Text(dwell.span()));
+                    self.slot([name_of("dwell")], ValueSyntax::Time, present, |new| {
+                        *dwell = Some(duration(new).0);
+                    });
+                    let present = shelf_life.as_ref().map(|life| Present::Text(life.span));
+                    let names = [name_of("shelf_life")];
+                    self.slot(names, ValueSyntax::Expression, present, |new| {
+                        *shelf_life = Some(expression(new).0);
+                    });
                 }
                 LineItem::Conveyor {
                     name,

@@ -2,7 +2,7 @@
 
 use linewright_syntax::ast::{
     self, ContractItem, DomainKind, Expr, ExprKind, Item, LineItem, MachineItem, StationItem, Stop,
-    Supply,
+    Supply, TimeValue,
 };
 use std::collections::BTreeSet;
 
@@ -184,6 +184,12 @@ impl<'a> Mentions<'a> {
                     supply: Supply::Every { interval, .. },
                     ..
                 } => self.exprs(interval.expressions()),
+                LineItem::Buffer {
+                    dwell, shelf_life, ..
+                } => {
+                    self.exprs(dwell.iter().flat_map(TimeValue::expressions));
+                    self.exprs(shelf_life);
+                }
                 LineItem::Conveyor {
                     machine, options, ..
                 } => {
@@ -215,8 +221,7 @@ impl<'a> Mentions<'a> {
                 | LineItem::Holiday(..)
                 | LineItem::Source { .. }
                 | LineItem::Store { .. }
-                | LineItem::Sink { .. }
-                | LineItem::Buffer { .. } => {}
+                | LineItem::Sink { .. } => {}
             }
         }
     }
