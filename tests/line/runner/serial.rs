@@ -1,8 +1,10 @@
 //! Serial lines with blocking after service, compared with two independent references: the
 //! throughput on which other simulators agree, and the recursion over departure times (max-plus).
 
-use crate::models::{Builder, Exponential, Work, took};
-use linewright::line::random::Stream;
+use crate::models::{Builder, Exponential, Work, plant_of, took};
+use linewright::contract::distribution::Distribution;
+use linewright::line::random::{Purpose, Stream};
+use linewright::line::sampler::Sampler;
 use linewright::line::trace::EventKind;
 use linewright::line::{Options, Trace};
 use proptest::prelude::*;
@@ -114,17 +116,22 @@ fn check_against_recursion(stations: usize, buffers: &[usize], parts: usize, see
     let way: Vec<&str> = way.iter().map(String::as_str).collect();
     builder.route("Part", &way);
     let trace = builder.run(parts as u64);
-    let expected = recursion(&services, buffers);
-    for (i, expected) in expected.iter().enumerate() {
-        let node = builder.node(&format!("station{i}"));
+    let stations = (0..stations).map(|i| builder.node(&format!("station{i}")));
+    let stations: Vec<usize> = stations.collect();
+    check_departures(&trace, &stations, &recursion(&services, buffers));
+}
+
+/// All departures from these stations are at these times exactly.
+fn check_departures(trace: &Trace, stations: &[usize], expected: &[Vec<f64>]) {
+    for (node, expected) in stations.iter().zip(expected) {
         let left: Vec<f64> = trace
             .log
             .iter()
-            .filter(|e| e.node == node && e.what == EventKind::Left)
+            .filter(|e| e.node == *node && e.what == EventKind::Left)
             .map(|e| e.time)
-            .take(parts)
+            .take(expected.len())
             .collect();
-        assert_eq!(&left, expected, "station {i}: every time exactly");
+        assert_eq!(&left, expected, "node {node}: every time exactly");
     }
 }
 
@@ -132,6 +139,87 @@ fn check_against_recursion(stations: usize, buffers: &[usize], parts: usize, see
 fn departures_equal_the_recursion_exactly() {
     check_against_recursion(5, &[3, 3, 3, 3], 2000, 5);
     check_against_recursion(4, &[0, 2, 0], 2000, 6);
+}
+
+/// A distribution in the language, and as it is meant.
+fn distribution(random: &mut Stream) -> (String, Distribution) {
+    let mut tenths = |low: u64, high: u64| (low + random.below(high - low)) as f64 / 10.0;
+    let (low, mode, high) = (tenths(1, 10), tenths(10, 20), tenths(21, 40));
+    match random.below(6) {
+        0 => (format!("{mode} s"), Distribution::Constant(mode)),
+        1 => (
+            format!("uniform({low} s, {high} s)"),
+            Distribution::Uniform { low, high },
+        ),
+        2 => (
+            format!("triangular({low} s, {mode} s, {high} s)"),
+            Distribution::Triangular { low, mode, high },
+        ),
+        3 => (
+            format!("lognormal({mode} s, {low} s)"),
+            Distribution::Lognormal {
+                mean: mode,
+                deviation: low,
+            },
+        ),
+        4 => (
+            format!("erlang(3, {mode} s)"),
+            Distribution::Erlang {
+                stages: 3,
+                mean: mode,
+            },
+        ),
+        _ => (
+            format!("exponential({mode} s)"),
+            Distribution::Exponential { mean: mode },
+        ),
+    }
+}
+
+/// 200 lines of two to eight stations that are given by their times, with buffers of up to five.
+#[test]
+fn departures_of_drawn_times_equal_the_recursion() {
+    const PARTS: usize = 150;
+    for seed in 1..=200 {
+        let mut random = Stream::from_seed(seed);
+        let count = 2 + random.below(7) as usize;
+        let (mut places, mut way) = (String::new(), "source".to_owned());
+        let (mut services, mut buffers) = (Vec::new(), Vec::new());
+        for i in 0..count {
+            let (text, time) = distribution(&mut random);
+            places += &format!("station s{i} {{ takes {text} }}\n");
+            way += &format!(" -> s{i}");
+            let stream = Stream::new(seed, Purpose::Service, &format!("s{i}.P"));
+            let mut sampler = Sampler::new(&time, stream);
+            services.push((0..PARTS).map(|_| sampler.draw()).collect());
+            if i + 1 < count {
+                let capacity = random.below(6) as usize;
+                if capacity > 0 {
+                    places += &format!("buffer b{i} capacity {capacity}\n");
+                    way += &format!(" -> b{i}");
+                }
+                buffers.push(capacity);
+            }
+        }
+        let text = format!(
+            "line L {{ part P source source: P every 0 s {places} sink k route P: {way} -> k }}"
+        );
+        let options = Options {
+            seed,
+            parts: Some(PARTS as u64),
+            log: true,
+            ..Options::default()
+        };
+        let mut plant = plant_of(&text, options);
+        let nodes = plant.line().nodes.iter().enumerate();
+        let stations = nodes.filter(|(_, node)| node.name.starts_with("s"));
+        let stations: Vec<usize> = stations
+            .filter(|(_, node)| node.name != "source")
+            .map(|(index, _)| index)
+            .collect();
+        assert_eq!(stations.len(), count);
+        check_departures(&plant.run(), &stations, &recursion(&services, &buffers));
+    }
 }
 
 proptest! {
