@@ -9,7 +9,7 @@ mod machines;
 mod runs;
 mod stocks;
 mod table;
-mod text;
+pub mod text;
 
 use crate::reduce;
 use judge::{Judged, Report, judge};

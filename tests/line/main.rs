@@ -13,6 +13,7 @@ mod proof;
 #[path = "../program/hostile/reduce.rs"]
 mod reduce;
 mod runner;
+mod simpy;
 #[path = "../support/mod.rs"]
 mod support;
 #[path = "../algebra/discharge/tables.rs"]
