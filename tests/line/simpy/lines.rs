@@ -57,6 +57,8 @@ struct Generator {
     routes: Vec<Value>,
     types: Vec<String>,
     shifts: Option<Both>,
+    /// Whether each type has stages of its own, so that components do not block one another.
+    apart: bool,
 }
 
 /// The line with this number.
@@ -76,6 +78,7 @@ pub fn line(seed: u64) -> RandomLine {
             .map(|t| (*t).to_owned())
             .collect(),
         shifts: None,
+        apart: false,
     };
     generator.write()
 }
@@ -145,6 +148,7 @@ impl Generator {
 
     fn write(mut self) -> RandomLine {
         let joins = self.types.len() > 1 && self.chance.percent(35);
+        self.apart = joins && self.chance.percent(75);
         let types = self.declare_types(joins);
         let product = if joins { "J" } else { "A" };
         if self.chance.percent(30) {
@@ -601,12 +605,20 @@ impl Generator {
             is_station: false,
         };
         let mut path: Vec<&Stage> = Vec::new();
+        let own = self.types.iter().position(|t| t == kind).unwrap_or(0);
         for (index, stage) in stages.iter().enumerate() {
-            if index == 0 || index + 1 == stages.len() || self.chance.percent(85) {
+            let is_due = match self.apart {
+                true => index % self.types.len() == own,
+                false => index == 0 || index + 1 == stages.len() || self.chance.percent(85),
+            };
+            if is_due {
                 path.push(stage);
             }
         }
-        let overflow = source.1 && path[0].shares.is_empty() && path[0].choice.1 != "robin";
+        let overflow = source.1
+            && path
+                .first()
+                .is_some_and(|first| first.shares.is_empty() && first.choice.1 != "robin");
         if overflow && self.chance.percent(25) {
             let first = path[0];
             let floor = |mut names: Vec<(String, usize)>| {
@@ -625,10 +637,10 @@ impl Generator {
             };
             self.route(kind, &start, &to, None);
         } else {
-            self.route(kind, &start, path[0], None);
+            self.route(kind, &start, path.first().copied().unwrap_or(end), None);
         }
         for (index, stage) in path.iter().enumerate() {
-            if stage.is_station && self.chance.percent(30) {
+            if stage.is_station && self.chance.percent(15) {
                 let back = path[self.chance.below(index + 1)];
                 self.route(kind, stage, back, Some("w < 2"));
             }
