@@ -1,4 +1,4 @@
-"""Random numbers and durations of a line, written from the papers, not from the runner.
+"""Random numbers and durations of a line.
 
 The generator is xoshiro256++ by Blackman and Vigna, seeded through their SplitMix64. A stream is
 named by the seed of the run, a purpose, and the FNV-1a hash of a name.

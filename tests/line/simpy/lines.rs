@@ -1,4 +1,4 @@
-//! Random lines, each as text of the language and, told apart from it, as JSON for the oracle.
+//! Random lines, each as text of the language, and as JSON for the oracle.
 
 use crate::attack::text::Chance;
 use linewright::contract::distribution::Distribution;
