@@ -19,6 +19,7 @@
  *         "rule"             text only: the name of the broken rule, `turn_a: gripped`
  *         "time", "energy"   duration in s and energy in J of the last completed operation; also "seconds" and "joules"
  *         "steps"            number of its controller steps
+ *         "control_time"     the part of its duration in which no action was active, in s
  *         a property's name  value after that operation; "property.steps" if names clash. As text: its label
  *         "output.NAME"      an output or internal variable after the last step, `output.turn_a.angle`
  *
@@ -283,6 +284,10 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
     }
     if (strcmp(name, "energy") == 0 || strcmp(name, "joules") == 0) {
         *result = lw_real_result(slot->service.joules);
+        return LW_OK;
+    }
+    if (strcmp(name, "control_time") == 0) {
+        *result = lw_real_result(slot->control);
         return LW_OK;
     }
     if (strcmp(name, "steps") == 0) {

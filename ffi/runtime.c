@@ -78,9 +78,10 @@ typedef struct lw_slot {
     int live;
     int32_t generation; /* 0 if the place has used no generation yet, or begins again */
     int32_t verdict; /* result of the last step or operation: 0 or an error code */
-    int has_results; /* whether `service` and `properties` hold the results of an operation */
+    int has_results; /* whether `service`, `control` and `properties` hold the results of an operation */
     lw_stored_state state;
     lw_service service;
+    double control; /* seconds of `service` in which no action was active */
     double properties[LW_PROPERTIES + 1];
     lw_error error;
 } lw_slot;
@@ -379,16 +380,18 @@ static int32_t lw_serve(lw_slot *slot, int32_t operation, const double *properti
 {
     double after[LW_PROPERTIES + 1];
     lw_service service;
+    double control;
     lw_state state;
     int32_t code;
     lw_load_state(slot, &state);
-    code = lw_perform(&state, operation, properties, after, &service, &slot->error);
+    code = lw_perform(&state, operation, properties, after, &service, &control, &slot->error);
     if (code == LW_OK || code == LW_ERROR_LIMIT) {
         lw_store_state(slot, &state);
     }
     if (code == LW_OK) {
         slot->has_results = 1;
         slot->service = service;
+        slot->control = control;
         for (int i = 0; i < LW_PROPERTIES; i++) {
             slot->properties[i] = after[i];
         }

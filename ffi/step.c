@@ -477,6 +477,7 @@ typedef struct lw_job {
     const double *properties;
     int running[LW_COMPONENTS + 1]; /* components that were active in the previous step */
     int64_t held[LW_JUSTICE + 1];   /* step, from 1, in which each justice assumption last held */
+    double control;                 /* seconds of the steps in which no action was active */
     lw_service service;
 } lw_job;
 
@@ -564,6 +565,7 @@ static int32_t lw_charge(lw_job *job, const lw_state *start, const lw_state *bef
     if (code == LW_OK) {
         double took = seconds < 0.0 ? LW_STEP_SECONDS : seconds;
         job->service.seconds += took;
+        job->control += seconds < 0.0 ? took : 0.0;
         job->service.joules += took * watts;
     }
     return code;
@@ -613,9 +615,10 @@ static int32_t lw_write_properties(const double *properties, const int64_t *valu
 }
 
 /* Runs an operation from `state`. `state` changes only if the operation ends, or if the state is
- * reset at the step limit. `after` receives the properties. */
+ * reset at the step limit. `after` receives the properties, `control` the seconds of the steps in
+ * which no action was active. */
 static int32_t lw_perform(lw_state *state, int32_t operation, const double *properties, double *after,
-                          lw_service *service, lw_error *error)
+                          lw_service *service, double *control, lw_error *error)
 {
     lw_state states[2];
     lw_job job;
@@ -656,6 +659,7 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
                 return code;
             }
             *service = job.service;
+            *control = job.control;
             *state = *next;
             return LW_OK;
         }

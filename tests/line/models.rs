@@ -486,6 +486,7 @@ pub fn took(seconds: f64) -> Result<Service, CallError> {
         seconds,
         joules: 10.0 * seconds,
         steps: 1,
+        control_seconds: 0.0,
     })
 }
 

@@ -84,6 +84,8 @@ fn library_and_interpreter_agree_on_operations() {
                 assert_eq!(a.seconds.to_bits(), b.seconds.to_bits(), "{place}");
                 assert_eq!(a.joules.to_bits(), b.joules.to_bits(), "{place}");
                 assert_eq!(a.steps, b.steps, "{place}");
+                let control = [a, b].map(|s| s.control_seconds.to_bits());
+                assert_eq!(control[0], control[1], "{place}");
                 values = ours;
             }
         }

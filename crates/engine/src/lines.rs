@@ -12,7 +12,7 @@ use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
 use linewright_line::UndecidedReason;
 use linewright_line::abstraction::{Abstraction, Verdict, findings, with_losses};
-use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
+use linewright_line::calls::{self, Bounds, Calls, Premise, WorkTime, premises};
 use linewright_solver::game::{Budget, Limit, Limits};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -47,6 +47,8 @@ pub enum LineVerdict {
 pub struct Proof {
     /// Whether parts keep moving.
     pub verdict: LineVerdict,
+    /// How long the stations with machines work on a part. Empty if not all calls could be tried.
+    pub work_times: Vec<WorkTime>,
     /// If proved or safe: assumptions of the proof that it does not establish itself.
     pub premises: Vec<Premise>,
     /// If safe: names of the goals that were not decided.
@@ -100,6 +102,9 @@ pub fn examine<'a>(
             .retain(|f| f.code != codes::LINE_UNDECIDED || f.gave_up);
     }
     proof.routes_decided = calls.undecided.is_empty();
+    if proof.routes_decided {
+        proof.work_times.clone_from(&calls.work_times);
+    }
     proof.findings.extend(problems);
     proof.findings.extend(remarks);
     proof.findings.extend(asked.findings);

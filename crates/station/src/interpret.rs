@@ -531,6 +531,9 @@ impl<'a> Meter<'a> {
         }
         let seconds = longest.unwrap_or(self.machine.step_seconds);
         self.service.seconds += seconds;
+        if longest.is_none() {
+            self.service.control_seconds += seconds;
+        }
         self.service.joules += seconds * watts;
         Ok(())
     }

@@ -82,6 +82,8 @@ pub struct Service {
     pub joules: f64,
     /// Number of controller steps.
     pub steps: u64,
+    /// The part of `seconds` in which no action was active: the time of control.
+    pub control_seconds: f64,
 }
 
 /// One running instance of a machine.

@@ -35,6 +35,9 @@ const TAG_INTEGER: c_int = 1;
 const TAG_REAL: c_int = 2;
 const TAG_STRING: c_int = 3;
 
+/// Number of results of an operation before the properties.
+const OWN_RESULTS: usize = 3;
+
 /// Value returned by an export.
 enum Answer {
     Integer(i32),
@@ -92,8 +95,11 @@ type TextExport = unsafe extern "C" fn(i32, *mut c_char, usize) -> i32;
 pub struct Library {
     path: PathBuf,
     description: Value,
-    /// Results that an instance reads after an operation: energy, steps, then each property.
+    /// Results that an instance reads after an operation: energy, steps, time of control, then each
+    /// property.
     results: Vec<CString>,
+    /// Whether a step without an active action takes time.
+    control_takes_time: bool,
     plant_count: usize,
     output_count: usize,
     instantiate: Export,
@@ -177,6 +183,7 @@ impl Library {
             Ok(Arc::new(Self {
                 path: path.to_owned(),
                 results: result_names(&description)?,
+                control_takes_time: description["step_seconds"].as_f64() != Some(0.0),
                 description,
                 plant_count: count("lw_plant_count")?,
                 output_count: count("lw_output_count")?,
@@ -260,7 +267,11 @@ fn result_names(description: &Value) -> Result<Vec<CString>, String> {
     let properties = description["properties"]
         .as_array()
         .ok_or("its description lists no properties")?;
-    let mut names = vec![c"joules".to_owned(), c"steps".to_owned()];
+    let mut names = vec![
+        c"joules".to_owned(),
+        c"steps".to_owned(),
+        c"control_time".to_owned(),
+    ];
     for property in properties {
         let name = property["name"].as_str().unwrap_or_default();
         names.push(CString::new(format!("property.{name}")).map_err(|e| e.to_string())?);
@@ -315,7 +326,7 @@ impl Instance {
             return Err(CallError::operation(operation));
         };
         // The export does not receive the number of values, so the number is checked here.
-        if values.len() + 2 != self.library.results.len() {
+        if values.len() + OWN_RESULTS != self.library.results.len() {
             return Err(CallError::value_count());
         }
         self.arguments.clear();
@@ -349,9 +360,14 @@ impl Controller for Instance {
             seconds,
             joules: self.result(0)?,
             steps: self.result(1)? as u64,
+            control_seconds: if self.library.control_takes_time {
+                self.result(2)?
+            } else {
+                0.0
+            },
         };
         for (i, value) in values.iter_mut().enumerate() {
-            *value = self.result(i + 2)?;
+            *value = self.result(i + OWN_RESULTS)?;
         }
         Ok(service)
     }

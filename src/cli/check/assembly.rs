@@ -2,7 +2,7 @@
 
 use super::document::{
     ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry, SkillsEntry,
-    SkillsVerdict, Summary, Validity,
+    SkillsVerdict, Summary, Validity, WorkEntry,
 };
 use super::explained;
 use super::view::FileView;
@@ -378,6 +378,10 @@ impl Assembly<'_> {
                 stations.map(|node| node.name.clone()).collect()
             }),
             undecided: proof.undecided,
+            work: line.map_or_else(Vec::new, |line| {
+                let times = proof.work_times.iter();
+                times.map(|time| WorkEntry::new(line, time)).collect()
+            }),
             discharges: proof.discharges,
             findings: json::findings(&self.loaded.library.sources, findings),
         }

@@ -2,6 +2,7 @@
 
 use super::watch::Trigger;
 use crate::cli::schema::AnyValue;
+use crate::contract::line::Line;
 use crate::diagnostics::json;
 use crate::engine::findings::lost::Suggestion;
 use crate::engine::lines::LineVerdict;
@@ -9,7 +10,7 @@ use crate::engine::machine::{ClosedEntry, RefinesEntry};
 use crate::engine::pipeline::Verdict;
 use crate::engine::statistics::Statistics;
 use crate::engine::words::DischargeEntry;
-use crate::line::calls::Premise;
+use crate::line::calls::{Premise, Range, WorkTime};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -260,10 +261,46 @@ pub(super) struct LineEntry {
     /// If safe: names of the goals that were not decided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) undecided: Vec<String>,
+    /// How long the stations with machines work on a part, without failures; omitted if not all
+    /// their calls could be tried.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) work: Vec<WorkEntry>,
     /// How each requirement of the line, and each assumption of a place in it, is discharged.
     pub(super) discharges: Vec<DischargeEntry>,
     /// Findings about the line.
     pub(super) findings: Vec<json::Finding>,
+}
+
+/// How long a station with a machine works on a part of one type. Each time has its least and its
+/// greatest value.
+#[derive(Debug, JsonSchema, Serialize)]
+pub(super) struct WorkEntry {
+    /// The name of the station.
+    pub(super) station: String,
+    /// The part type.
+    pub(super) part: String,
+    /// The time of the work, in seconds.
+    pub(super) seconds: [f64; 2],
+    /// The time in which some action of the machine is active, in seconds.
+    pub(super) action_seconds: [f64; 2],
+    /// The time of control, in which no action is active, in seconds.
+    pub(super) control_seconds: [f64; 2],
+}
+
+impl WorkEntry {
+    pub(super) fn new(line: &Line, time: &WorkTime) -> Self {
+        // Sums of seconds are exact to the microsecond.
+        let rounded = |range: Range| {
+            [range.least, range.greatest].map(|seconds| (seconds * 1e6).round() / 1e6 + 0.0)
+        };
+        Self {
+            station: line.nodes[time.node].name.clone(),
+            part: line.parts[time.part].name.clone(),
+            seconds: rounded(time.work),
+            action_seconds: rounded(time.actions),
+            control_seconds: rounded(time.control),
+        }
+    }
 }
 
 /// A premise of a proof.

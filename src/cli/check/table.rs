@@ -5,6 +5,7 @@ use crate::engine::lines::LineVerdict;
 use crate::engine::machine::RefinementVerdict;
 use crate::engine::pipeline::Verdict;
 use crate::engine::words::{DischargeEntry, DischargeRuleName};
+use crate::line::trace::duration;
 use crate::taxonomy;
 use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::{self, Write as _};
@@ -168,6 +169,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     if verbose {
         text.push_str(&verdicts_only(document));
         text.push_str(&discharges(document));
+        text.push_str(&work(document));
     }
     for c in &document.contracts {
         if let Some(statistics) = &c.statistics {
@@ -316,6 +318,43 @@ fn discharges(document: &Document) -> String {
         }
     }
     text
+}
+
+/// For every line, how long its machines work on a part, and how much of it is control.
+fn work(document: &Document) -> String {
+    let mut text = String::new();
+    for line in document.lines.iter().filter(|l| !l.work.is_empty()) {
+        let _ = writeln!(
+            text,
+            "\n{}: time of the work on a part, without failures",
+            line.name
+        );
+        let names: Vec<String> = line
+            .work
+            .iter()
+            .map(|work| format!("{}, {}", work.station, work.part))
+            .collect();
+        let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
+        for (name, work) in names.iter().zip(&line.work) {
+            let _ = writeln!(
+                text,
+                "  {name:width$}  {}: {} of actions, {} of control",
+                seconds(work.seconds),
+                seconds(work.action_seconds),
+                seconds(work.control_seconds)
+            );
+        }
+    }
+    text
+}
+
+/// A time with its least and greatest value: `2.8 s`, or `2.8 s to 4 s`.
+fn seconds([least, greatest]: [f64; 2]) -> String {
+    if least < greatest {
+        format!("{} to {}", duration(least), duration(greatest))
+    } else {
+        duration(least)
+    }
 }
 
 fn discharged(discharges: &[DischargeEntry]) -> String {

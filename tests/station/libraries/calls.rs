@@ -185,6 +185,8 @@ fn results_are_read_by_name() {
     let steps = whole(c"steps");
     assert!(steps > 0 && as_real(get("get_real", c"steps")) == f64::from(steps));
     assert_eq!(words(c"steps"), steps.to_string());
+    let control = as_real(get("get_real", c"control_time"));
+    assert!(control > 0.0 && control < seconds, "{control} of {seconds}");
     // A value that is no integer has no integer result.
     assert_eq!(whole(c"time"), -2);
     assert!(host.last_error(handle).contains("use get_real"));

@@ -39,7 +39,7 @@ mod walk;
 
 pub use findings::in_turn;
 pub use premises::{Premise, premises};
-pub use time::Timeless;
+pub use time::{Range, Timeless, WorkTime};
 
 use crate::undecided::UndecidedReason;
 use linewright_core::diagnostics::Diagnostic;
@@ -78,6 +78,8 @@ pub struct Calls {
     pub by_chance: Vec<bool>,
     /// A way on which parts keep moving without time passing; `None` if there is none.
     pub timeless: Option<Timeless>,
+    /// How long the stations with machines work on parts of each type.
+    pub work_times: Vec<WorkTime>,
 }
 
 impl Calls {
@@ -122,6 +124,7 @@ pub fn examine(
         by_chance: by_chance.collect(),
         taken,
         timeless: time::timeless(&walk),
+        work_times: time::work_times(&walk),
     };
     if walk.is_complete() {
         walk.routes(&mut calls);

@@ -47,6 +47,8 @@ pub(super) struct Answer {
     pub values: Vec<Real>,
     /// Duration in seconds.
     pub seconds: Real,
+    /// The part of the duration in which no action is active, in seconds.
+    pub control: Real,
 }
 
 /// A call that is refused.
@@ -121,6 +123,7 @@ impl StationModel {
         let mut state = self.states[state].clone();
         let mut values = values.to_vec();
         let (mut seconds, mut joules, mut steps) = (0.0, 0.0, 1);
+        let mut control = 0.0;
         for (operation, parameters) in &task.operations {
             set_parameters(machine, parameters, &mut values);
             match self.interpreter.perform(&state, *operation, &values) {
@@ -128,6 +131,7 @@ impl StationModel {
                     state = after;
                     values = new;
                     seconds += service.seconds;
+                    control += service.control_seconds;
                     joules += service.joules;
                     steps += service.steps;
                 }
@@ -154,6 +158,7 @@ impl StationModel {
         let answer = Answer {
             values: ordered(&values),
             seconds: Real(seconds),
+            control: Real(control),
         };
         (state, Ok(answer), steps)
     }

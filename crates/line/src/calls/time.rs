@@ -1,4 +1,5 @@
-//! Determines whether parts can keep moving at one instant.
+//! Determines how long the stations of a line work, and whether parts can keep moving at one
+//! instant.
 //!
 //! Moving, waiting in a buffer without a dwell time or in a store, and work shorter than [`MIN_SECONDS`] take no time. The
 //! graph distinguishes the values of parts, so that a part that goes round three times and then
@@ -10,6 +11,7 @@
 //!   endless. A joined part comes as often as the slowest of its components.
 
 use super::attractor::attractor;
+use super::station::Answer;
 use super::walk::{Stage, Vertex, Walk};
 use linewright_language::contract::MIN_SECONDS;
 use linewright_language::contract::line::NodeKind;
@@ -27,6 +29,73 @@ pub struct Timeless {
     pub always: bool,
     /// Stations that can work on a part without time passing.
     pub stations: Vec<usize>,
+}
+
+/// The least and the greatest of some durations, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Least.
+    pub least: f64,
+    /// Greatest.
+    pub greatest: f64,
+}
+
+impl Range {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let none = Self {
+            least: f64::INFINITY,
+            greatest: f64::NEG_INFINITY,
+        };
+        values.fold(none, |range, value| Self {
+            least: range.least.min(value),
+            greatest: range.greatest.max(value),
+        })
+    }
+}
+
+/// How long a station with a machine works on a part of one type, over all calls that were tried.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorkTime {
+    /// Index of the node.
+    pub node: usize,
+    /// Index of the part type.
+    pub part: usize,
+    /// Duration of the work.
+    pub work: Range,
+    /// The part of it in which some action is active.
+    pub actions: Range,
+    /// The part of it in which no action is active: each control step takes the machine's `step`.
+    pub control: Range,
+}
+
+/// The durations of the work of all stations with machines, by node and part type. Parts that are
+/// refused in every call are left out.
+pub(super) fn work_times(walk: &Walk<'_>) -> Vec<WorkTime> {
+    let mut times = Vec::new();
+    for (node, station) in walk.stations.iter().enumerate() {
+        let (Some(station), NodeKind::Station(declared)) = (station, &walk.line.nodes[node].kind)
+        else {
+            continue;
+        };
+        for (index, task) in declared.tasks.iter().enumerate() {
+            let calls = station.calls.iter().filter(|call| call.task == index);
+            let answers: Vec<_> = calls.flat_map(|c| c.answers.values()).flatten().collect();
+            if answers.is_empty() {
+                continue;
+            }
+            let range = |seconds: &dyn Fn(&Answer) -> f64| {
+                Range::of(answers.iter().map(|answer| seconds(answer)))
+            };
+            times.push(WorkTime {
+                node,
+                part: task.part,
+                work: range(&|a| a.seconds.0),
+                actions: range(&|a| a.seconds.0 - a.control.0),
+                control: range(&|a| a.control.0),
+            });
+        }
+    }
+    times
 }
 
 /// An edge of the walk: a possible next step of a part.
