@@ -8,6 +8,7 @@ mod calendars;
 mod conservation;
 mod conveyors;
 mod ends;
+mod equipment;
 mod failures;
 mod flow;
 

@@ -52,6 +52,71 @@ fn a_machine_is_built_and_a_line_is_run() {
     assert_eq!(run.replications.seeds.len(), 2);
 }
 
+/// A machine whose controller takes a step before and one after an action of 0.8 s.
+const PRESS: &str = "import std.coordination.single
+
+contract Ram {
+    input requested: bool
+    output finished: bool
+    guarantee reports: always (finished <-> requested)
+}
+machine Press {
+    step 1 s
+    coordinator lead: Single {
+        job = operation = press
+        executed = ram.finished
+    }
+    action ram: Ram when lead.command {
+        requested = lead.command
+        time 0.8 s
+    }
+    operation press: ram
+    done lead.done
+}
+line Hall {
+    part Plate
+    source stack: Plate every 10 s
+    station press: Press { perform press on Plate }
+    sink tray
+    route Plate: stack -> press -> tray
+}
+";
+
+/// The compiled library says how much of its time is control, and `step 0 s` makes that none.
+#[test]
+fn control_takes_the_time_that_the_machine_declares() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("press.lw");
+    let how = SimulationOptions {
+        options: Options {
+            parts: Some(10),
+            ..Options::default()
+        },
+        find_warm_up: false,
+        replications: Count::Fixed(1),
+        rebuild: false,
+    };
+    for (step, control) in [("step 1 s", 2.0), ("step 0 s", 0.0)] {
+        std::fs::write(&file, PRESS.replace("step 1 s", step)).expect("a written file");
+        let project = Project::open(&file.to_string_lossy()).expect("a sound file");
+        let line = project.line("Hall").expect("it is declared");
+        let run = project.run(line, folder.path(), &how).expect("it runs");
+        let trace = &run.traces[0];
+        let press = &trace.stations[0];
+        let work = press.work_time.expect("it has worked");
+        assert!((work.control_seconds - control).abs() < 1e-9, "{work:?}");
+        assert!((work.action_seconds() - 0.8).abs() < 1e-9, "{work:?}");
+        assert!(
+            (press.busy_seconds - 10.0 * work.seconds).abs() < 1e-9,
+            "{press:?}"
+        );
+        assert!(
+            (trace.lead_time.mean - work.seconds).abs() < 1e-9,
+            "{trace:?}"
+        );
+    }
+}
+
 #[test]
 fn what_is_wrong_is_a_value() {
     let missing = Project::open("no/such/file.lw").expect_err("it is not there");

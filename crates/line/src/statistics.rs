@@ -12,6 +12,8 @@ pub(super) enum Activity {
     Failed,
     Idle,
     Setup,
+    /// Under repair off shift.
+    FailedOffShift,
 }
 
 /// Books time by activity.
@@ -19,7 +21,7 @@ pub(super) enum Activity {
 pub(super) struct Clock {
     activity: Activity,
     since: f64,
-    seconds: [f64; 6],
+    seconds: [f64; 7],
 }
 
 impl Clock {
@@ -27,7 +29,7 @@ impl Clock {
         Self {
             activity,
             since: 0.0,
-            seconds: [0.0; 6],
+            seconds: [0.0; 7],
         }
     }
 
@@ -48,10 +50,16 @@ impl Clock {
         self.seconds.iter().sum()
     }
 
+    /// Seconds on shift, and in overtime, booked up to the last switch: the planned time.
+    pub(super) fn planned(&self) -> f64 {
+        let off_shift = [Activity::Idle, Activity::FailedOffShift];
+        self.total() - off_shift.map(|a| self.seconds(a)).iter().sum::<f64>()
+    }
+
     /// Forgets the time booked before `now`.
     pub(super) fn forget(&mut self, now: f64) {
         self.since = now;
-        self.seconds = [0.0; 6];
+        self.seconds = [0.0; 7];
     }
 
     /// Shares of the total booked time. `visited` states whether any part ever reached the station.
@@ -69,7 +77,7 @@ impl Clock {
             busy: share(Activity::Busy),
             starved: share(Activity::Starved),
             blocked: share(Activity::Blocked),
-            failed: share(Activity::Failed),
+            failed: share(Activity::Failed) + share(Activity::FailedOffShift),
             idle: share(Activity::Idle),
             setup: share(Activity::Setup),
         };

@@ -55,6 +55,8 @@ pub struct Trace {
     pub bottleneck: Bottleneck,
     /// Rejected parts by type, in line order; types without any are omitted.
     pub rejects: Vec<Reject>,
+    /// First-pass yield and scrap of the line.
+    pub yields: Yields,
     /// The first [`MAX_VIOLATIONS`] violations, in time order.
     pub violations: Vec<Violation>,
     /// Total number of violations.
@@ -197,6 +199,51 @@ pub struct StationStatistics {
     pub busy_seconds: f64,
     /// Energy in joules: services, plus idle power outside them.
     pub joules: f64,
+    /// Mean time of the work on a part, without failures; `None` if no service ended.
+    pub work_time: Option<WorkTime>,
+    /// Overall equipment effectiveness; `None` without planned time, without work, or if no service
+    /// ended.
+    pub oee: Option<Oee>,
+    /// Number of parts that were rejected because of this station: one of its defects was the last
+    /// to change them, or no defect did and it was the last station to work on them.
+    pub scrapped: u64,
+}
+
+/// Mean time of the work on a part, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorkTime {
+    /// Seconds of the work, without failures.
+    pub seconds: f64,
+    /// The part of `seconds` in which no action of the machine is active: its control steps. 0 for
+    /// a station without a machine.
+    pub control_seconds: f64,
+}
+
+impl WorkTime {
+    /// Seconds in which some action of the machine is active.
+    pub fn action_seconds(&self) -> f64 {
+        self.seconds - self.control_seconds
+    }
+}
+
+/// Overall equipment effectiveness (the OEE index of ISO 22400-2) as its three factors, each from 0
+/// to 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oee {
+    /// Time in work by the planned time. All time on shift is planned, and overtime is, too.
+    pub availability: f64,
+    /// Planned time of the work done by the time in work. It is less than 1 if work began again
+    /// after failures.
+    pub effectiveness: f64,
+    /// Share of the processed parts that were not rejected because of this station.
+    pub quality: f64,
+}
+
+impl Oee {
+    /// The product of the factors.
+    pub fn index(&self) -> f64 {
+        self.availability * self.effectiveness * self.quality
+    }
 }
 
 /// Statistics of a conveyor.
@@ -248,6 +295,36 @@ pub struct MachineStatistics {
     pub busy_seconds: f64,
     /// Energy of the instances in joules.
     pub joules: f64,
+}
+
+/// Parts that left the line good at the first pass, and as scrap. Parts of all types count that
+/// finished, or that were rejected after a station had worked on them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Yields {
+    /// Number of parts that finished.
+    pub finished: u64,
+    /// Number of `finished` parts on which no station worked twice, and in which no joined part
+    /// was like that.
+    pub first_pass: u64,
+    /// Number of parts that were rejected after a station had worked on them.
+    pub scrapped: u64,
+}
+
+impl Yields {
+    /// The share of the parts that finished at the first pass; `None` without parts.
+    pub fn first_pass_yield(&self) -> Option<f64> {
+        self.share(self.first_pass)
+    }
+
+    /// The share of the parts that were scrapped; `None` without parts.
+    pub fn scrap_ratio(&self) -> Option<f64> {
+        self.share(self.scrapped)
+    }
+
+    fn share(&self, parts: u64) -> Option<f64> {
+        let all = self.finished + self.scrapped;
+        (all > 0).then(|| parts as f64 / all as f64)
+    }
 }
 
 /// Rejected parts of one type.

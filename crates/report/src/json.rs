@@ -5,7 +5,7 @@
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
-use linewright_line::trace::{End, LeadTime, Shares, SourceStatistics};
+use linewright_line::trace::{End, LeadTime, Oee, Shares, SourceStatistics, WorkTime};
 use linewright_line::{Bottleneck, Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
@@ -41,6 +41,9 @@ pub fn json(
                 "setup": shares.setup,
                 "busy_seconds": round(station.busy_seconds, 6),
                 "energy_kwh": kwh(station.joules),
+                "work": station.work_time.map(|work| work_time(work, station.machine.is_some())),
+                "oee": station.oee.as_ref().map(oee),
+                "scrapped": station.scrapped,
             })
         })
         .collect();
@@ -160,6 +163,8 @@ pub fn json(
             "in_progress": trace.parts.in_progress,
         },
         "rejects": rejects,
+        "first_pass_yield": trace.yields.first_pass_yield().map(|share| round(share, 6)),
+        "scrap_ratio": trace.yields.scrap_ratio().map(|share| round(share, 6)),
         "throughput_per_hour": round(trace.throughput_per_hour, 6),
         "throughput_per_hour_on_shift": trace.throughput_on_shift.map(|rate| round(rate, 6)),
         "wip": {
@@ -208,6 +213,25 @@ fn lead_time(times: LeadTime) -> Value {
         "p50": round(times.p50, 6),
         "p95": round(times.p95, 6),
         "max": round(times.max, 6),
+    })
+}
+
+/// The mean time of the work on a part; only a machine's is divided.
+fn work_time(work: WorkTime, is_machine: bool) -> Value {
+    let divided = |seconds: f64| is_machine.then(|| round(seconds, 6));
+    json!({
+        "seconds": round(work.seconds, 6),
+        "action_seconds": divided(work.action_seconds()),
+        "control_seconds": divided(work.control_seconds),
+    })
+}
+
+fn oee(oee: &Oee) -> Value {
+    json!({
+        "index": round(oee.index(), 6),
+        "availability": round(oee.availability, 6),
+        "effectiveness": round(oee.effectiveness, 6),
+        "quality": round(oee.quality, 6),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line, Metric};
-use linewright_line::trace::{End, clock, duration};
+use linewright_line::trace::{End, Oee, clock, duration};
 use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -18,6 +18,7 @@ pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) ->
     summary(&mut out, line, trace);
     products(&mut out, line, trace);
     stations(&mut out, trace);
+    equipment(&mut out, trace);
     conveyors(&mut out, trace);
     buffers(&mut out, trace);
     machines(&mut out, trace);
@@ -142,6 +143,16 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
                 .join(", ")
         },
     );
+    if trace.yields.first_pass < trace.yields.finished || trace.yields.scrapped > 0 {
+        row(
+            "quality",
+            format!(
+                "first-pass yield {}, scrap {}",
+                percent(trace.yields.first_pass_yield()),
+                percent(trace.yields.scrap_ratio())
+            ),
+        );
+    }
     row(
         "violations",
         if trace.violation_count == 0 {
@@ -244,6 +255,43 @@ fn stations(out: &mut String, trace: &Trace) {
         &[
             "station", "machine", "parts", "time", "kWh", "busy", "starved", "blocked", "failed",
             "idle", "setup",
+        ],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+/// Writes the mean time of the work on a part, and the overall equipment effectiveness.
+fn equipment(out: &mut String, trace: &Trace) {
+    let stations = trace.stations.iter();
+    let rows = stations.filter_map(|station| {
+        let work = station.work_time?;
+        let split = |seconds: f64| {
+            let machine = station.machine.as_ref();
+            machine.map_or("-".to_owned(), |_| duration(seconds))
+        };
+        let factor = |value: fn(&Oee) -> f64| percent(station.oee.as_ref().map(value));
+        Some(vec![
+            station.name.clone(),
+            duration(work.seconds),
+            split(work.action_seconds()),
+            split(work.control_seconds),
+            factor(Oee::index),
+            factor(|oee| oee.availability),
+            factor(|oee| oee.effectiveness),
+            factor(|oee| oee.quality),
+        ])
+    });
+    columns(
+        out,
+        &[
+            "station",
+            "work a part",
+            "actions",
+            "control",
+            "OEE",
+            "availability",
+            "effectiveness",
+            "quality",
         ],
         &rows.collect::<Vec<_>>(),
     );
@@ -414,6 +462,11 @@ fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
 /// Formats a number, or `-` if nothing was measured.
 fn measured(value: Option<f64>, places: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.places$}"))
+}
+
+/// Formats a share as a percentage, or `-` if nothing was measured.
+fn percent(share: Option<f64>) -> String {
+    share.map_or("-".to_owned(), |share| format!("{:.1} %", share * 100.0))
 }
 
 fn kwh(joules: f64) -> String {

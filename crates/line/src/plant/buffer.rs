@@ -288,8 +288,7 @@ impl Run<'_> {
             let outlet = self.setup.first_outlet[node];
             self.outlets[outlet].since = None;
         }
-        let replacement = self.replacement(self.parts[part].kind);
-        self.reject(node, part, replacement);
+        self.scrap(node, part);
         self.look_at(node);
     }
 }

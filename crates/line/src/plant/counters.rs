@@ -27,6 +27,10 @@ pub(super) struct Counters {
     pub entered: u64,
     /// Number of parts that have left the line as finished.
     pub finished: u64,
+    /// Number of `finished` parts that no station worked on twice.
+    pub first_pass: u64,
+    /// Number of parts that were rejected after a station had worked on them.
+    pub scrapped: u64,
     /// Number of parts that were joined to others.
     pub consumed: u64,
     /// Number of parts that were in the line when counting began.
@@ -58,6 +62,8 @@ impl Counters {
             observations: None,
             entered: 0,
             finished: 0,
+            first_pass: 0,
+            scrapped: 0,
             consumed: 0,
             before: 0,
             units: Level::new(None),

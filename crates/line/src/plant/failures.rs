@@ -8,7 +8,6 @@ use super::station::Phase;
 use super::{Event, Place, Run, WORK, stream};
 use crate::random::Purpose;
 use crate::sampler::Sampler;
-use crate::statistics::Activity;
 use crate::trace::EventKind;
 use linewright_language::contract::machine::{Between, FailureMode, InterruptedWork};
 use std::collections::VecDeque;
@@ -154,7 +153,7 @@ impl Run<'_> {
 
     /// A station breaks down in one of its failure modes.
     pub(super) fn break_down(&mut self, node: usize, mode: usize) {
-        let now = self.now;
+        let (now, on_shift) = (self.now, self.shifts.is_on(node));
         let station = self.station(node);
         if station.failures.current.is_some() {
             station.failures.waiting.push_back(mode);
@@ -169,10 +168,10 @@ impl Run<'_> {
         if interrupted == InterruptedWork::Restarts && works {
             station.restart();
         }
-        station.clock.switch(now, Activity::Failed);
+        station.book(now, on_shift);
         self.record(node, None, EventKind::Failed);
         if interrupted == InterruptedWork::ScrapsPart {
-            self.scrap(node);
+            self.scrap_work(node);
         }
         self.schedule(now + seconds, WORK, Event::Repair(node as u32));
     }

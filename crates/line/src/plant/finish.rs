@@ -6,7 +6,7 @@ use crate::metric;
 use crate::statistics::Activity;
 use crate::trace::{
     BufferStatistics, ConveyorStatistics, End, MachineStatistics, PartCounts, ProductStatistics,
-    Reject, SourceStatistics, StationStatistics, Trace, WorkInProgress,
+    Reject, SourceStatistics, StationStatistics, Trace, WorkInProgress, Yields,
 };
 use linewright_language::contract::line::{Line, NodeKind, Supply};
 
@@ -33,6 +33,9 @@ impl Run<'_> {
                         shares: station.clock.shares(station.visited),
                         busy_seconds: station.clock.seconds(Activity::Busy),
                         joules: station.joules,
+                        work_time: station.work_time(),
+                        oee: station.oee(),
+                        scrapped: station.scrapped,
                     });
                 }
                 (NodeKind::Conveyor { watts, .. }, Place::Conveyor(conveyor)) => {
@@ -146,6 +149,11 @@ impl Run<'_> {
             stations,
             conveyors,
             buffers,
+            yields: Yields {
+                finished: self.counters.finished,
+                first_pass: self.counters.first_pass,
+                scrapped: self.counters.scrapped,
+            },
             rejects: self
                 .counters
                 .rejects

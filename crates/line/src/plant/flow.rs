@@ -489,6 +489,7 @@ impl Run<'_> {
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;
+        self.counters.first_pass += u64::from(!self.parts[part].reworked);
         self.count_out(self.parts[part].kind);
         if self.line.is_product(self.parts[part].kind) {
             let stored = matches!(self.places[node], Place::Store(_));
@@ -514,6 +515,19 @@ impl Run<'_> {
     /// Removes a part from the line as scrap, and orders replacements from the source `reorder`, if
     /// any.
     pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
+        self.charge_scrap(part);
+        self.discard(node, part, reorder);
+    }
+
+    /// Removes a part from the line as scrap for which no finished work is to blame, and orders its
+    /// replacement.
+    pub(super) fn scrap(&mut self, node: usize, part: PartIndex) {
+        self.counters.scrapped += 1;
+        let replacement = self.replacement(self.parts[part].kind);
+        self.discard(node, part, replacement);
+    }
+
+    fn discard(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
         self.record(node, Some(part), EventKind::Rejected);
         let kind = self.parts[part].kind;
         self.counters.rejects[kind].0 += 1;
@@ -526,6 +540,16 @@ impl Run<'_> {
             let count = self.setup.content(kind, ordered);
             self.order(source, count);
             self.counters.rejects[kind].1 += count;
+        }
+    }
+
+    /// Charges a rejected part to the station whose defect changed it last; without a defect, to the
+    /// station that worked on it last. A part that no station has worked on is not scrap.
+    fn charge_scrap(&mut self, part: PartIndex) {
+        let part = &self.parts[part];
+        if let Some(station) = part.defect_at.or(part.worked_at) {
+            self.counters.scrapped += 1;
+            self.station(station as usize).scrapped += 1;
         }
     }
 

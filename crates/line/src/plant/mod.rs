@@ -74,6 +74,8 @@ struct Setup {
     /// Number of parts of type `b` in one part of type `a`, at index `a * types + b`; 1 if `a` is
     /// `b`.
     contents: Vec<u64>,
+    /// By node: the first of the parallel stations that it belongs to, or the node itself.
+    first_copy: Vec<u32>,
 }
 
 /// An event in the calendar.
@@ -225,6 +227,7 @@ impl Plant {
         let ways = Ways::new(&line);
         let (outlets, first_outlet) = flow::outlets(&line);
         let contents = part::contents(&line);
+        let first_copy = first_copies(&line);
         Ok(Self {
             setup: Setup {
                 line,
@@ -236,6 +239,7 @@ impl Plant {
                 outlets,
                 first_outlet,
                 contents,
+                first_copy,
             },
             controllers: slots,
         })
@@ -444,6 +448,18 @@ impl Setup {
     fn content(&self, a: usize, b: usize) -> u64 {
         self.contents[a * self.line.parts.len() + b].max(1)
     }
+}
+
+/// For each node, the first node whose name differs from its name at most in the number in brackets.
+fn first_copies(line: &Line) -> Vec<u32> {
+    let mut first = std::collections::BTreeMap::new();
+    let nodes = line.nodes.iter().enumerate();
+    nodes
+        .map(|(index, node)| {
+            let name = node.name.split('[').next().unwrap_or_default();
+            *first.entry(name).or_insert(index as u32)
+        })
+        .collect()
 }
 
 /// The random stream of a run for a purpose and the name of a node.

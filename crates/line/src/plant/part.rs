@@ -20,8 +20,29 @@ pub(super) struct Part {
     pub entered_at: f64,
     /// Time at which the part itself entered the line: for a joined part, the time of the joining.
     pub since: f64,
+    /// Whether a station has begun to work on it, or on a part in it, for the second time.
+    pub reworked: bool,
+    /// The station whose work on it ended last.
+    pub worked_at: Option<u32>,
+    /// The station whose defect changed it last.
+    pub defect_at: Option<u32>,
+    /// One bit per station, set if it has begun to work on the part.
+    visits: Vec<u64>,
     /// Property values, in the order of the type's properties.
     pub properties: Vec<f64>,
+}
+
+impl Part {
+    /// Notes that a station begins to work on the part. Parallel stations are one, given by the
+    /// first of them.
+    pub(super) fn visit(&mut self, station: u32) {
+        let (word, bit) = (station as usize / 64, 1_u64 << (station % 64));
+        if self.visits.len() <= word {
+            self.visits.resize(word + 1, 0);
+        }
+        self.reworked |= self.visits[word] & bit != 0;
+        self.visits[word] |= bit;
+    }
 }
 
 /// All existing parts. Slots of removed parts are reused, so that a run needs memory only for what
@@ -47,8 +68,11 @@ impl Parts {
             self.slots.push(Part::default());
             self.slots.len() as u32 - 1
         });
-        let mut properties = std::mem::take(&mut self.slots[index as usize].properties);
+        let slot = &mut self.slots[index as usize];
+        let mut properties = std::mem::take(&mut slot.properties);
         properties.clear();
+        let mut visits = std::mem::take(&mut slot.visits);
+        visits.clear();
         for property in &line.parts[kind].properties {
             properties.push(match property.initial {
                 InitialValue::Number(value) => value,
@@ -63,6 +87,10 @@ impl Parts {
             entered: false,
             entered_at: 0.0,
             since: 0.0,
+            reworked: false,
+            worked_at: None,
+            defect_at: None,
+            visits,
             properties,
         };
         PartIndex(index)

@@ -6,10 +6,10 @@ use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
 use crate::sampler::Sampler;
 use crate::statistics::{Activity, Clock};
-use crate::trace::EventKind;
+use crate::trace::{EventKind, Oee, WorkTime};
 use linewright_language::contract::line::{self, Line, NodeKind};
 use linewright_language::contract::machine::PropertyKind;
-use linewright_station::{CallError, ErrorCode};
+use linewright_station::{CallError, ErrorCode, Service};
 
 /// State of a station.
 #[derive(Debug)]
@@ -49,11 +49,20 @@ pub(super) struct Station {
     /// Duration of this phase.
     phase_seconds: f64,
     service_joules: f64,
+    /// The part of the service in which no action is active, in seconds.
+    service_control: f64,
     // Time and energy accounts.
     pub clock: Clock,
     pub joules: f64,
     pub processed: u64,
     pub visited: bool,
+    /// Seconds of control in the services that ended, and their total duration without failures.
+    pub control_seconds: f64,
+    pub work_seconds: f64,
+    /// Seconds of work that was lost because it began again after a failure.
+    pub lost_seconds: f64,
+    /// Number of parts that were rejected because of this station; see `Run::charge_scrap`.
+    pub scrapped: u64,
 }
 
 /// Phase of a station's cycle.
@@ -131,6 +140,7 @@ impl Station {
             values: Vec::new(),
             phase_seconds: 0.0,
             service_joules: 0.0,
+            service_control: 0.0,
             clock: Clock::new(if on_shift {
                 Activity::Starved
             } else {
@@ -139,6 +149,10 @@ impl Station {
             joules: 0.0,
             processed: 0,
             visited: false,
+            control_seconds: 0.0,
+            work_seconds: 0.0,
+            lost_seconds: 0.0,
+            scrapped: 0,
         }
     }
 
@@ -229,6 +243,9 @@ impl Station {
     /// nevertheless.
     pub(super) fn restart(&mut self) {
         self.joules += self.joules_so_far();
+        if self.phase == Phase::Service {
+            self.lost_seconds += self.phase_seconds - self.remaining;
+        }
         self.remaining = self.phase_seconds;
     }
 
@@ -247,10 +264,12 @@ impl Station {
     }
 
     /// Books time from now on under the current activity.
-    fn book(&mut self, now: f64, on_shift: bool) {
+    pub(super) fn book(&mut self, now: f64, on_shift: bool) {
+        let works = on_shift || self.overtime;
         let activity = match self.phase {
-            _ if self.failures.is_failed() => Activity::Failed,
-            _ if !on_shift && !self.overtime => Activity::Idle,
+            _ if self.failures.is_failed() && works => Activity::Failed,
+            _ if self.failures.is_failed() => Activity::FailedOffShift,
+            _ if !works => Activity::Idle,
             Phase::Free => Activity::Starved,
             Phase::Setup => Activity::Setup,
             Phase::Service => Activity::Busy,
@@ -277,6 +296,10 @@ impl Station {
         self.joules = -self.joules_used(left);
         self.clock.forget(now);
         self.processed = 0;
+        self.control_seconds = 0.0;
+        self.work_seconds = 0.0;
+        self.lost_seconds = 0.0;
+        self.scrapped = 0;
     }
 
     /// Closes the accounts at the end of a run: books the time since the last change, and the
@@ -287,6 +310,29 @@ impl Station {
         self.joules += self.joules_so_far();
         self.joules +=
             idle_watts * (self.clock.total() - self.clock.seconds(Activity::Busy)).max(0.0);
+    }
+}
+
+impl Station {
+    /// Mean time of the services that ended, without failures.
+    pub(super) fn work_time(&self) -> Option<WorkTime> {
+        let parts = self.processed as f64;
+        (self.processed > 0).then(|| WorkTime {
+            seconds: self.work_seconds / parts,
+            control_seconds: self.control_seconds / parts,
+        })
+    }
+
+    /// Overall equipment effectiveness, after the accounts have been closed. Planned time times
+    /// quantity is the time in work without the work that was lost, which also holds for a part
+    /// that is in work at the start or the end.
+    pub(super) fn oee(&self) -> Option<Oee> {
+        let (busy, planned) = (self.clock.seconds(Activity::Busy), self.clock.planned());
+        (busy > 0.0 && planned > 0.0 && self.processed > 0).then(|| Oee {
+            availability: (busy / planned).min(1.0),
+            effectiveness: (1.0 - self.lost_seconds / busy).max(0.0),
+            quality: (1.0 - self.scrapped as f64 / self.processed as f64).max(0.0),
+        })
     }
 }
 
@@ -371,6 +417,7 @@ impl Run<'_> {
         let entered_at = components()
             .map(|component| self.parts[component].entered_at)
             .fold(self.now, f64::min);
+        let reworked = components().any(|component| self.parts[component].reworked);
         for component in components() {
             self.record(node, Some(component), EventKind::Consumed);
             self.leave_line(component);
@@ -378,6 +425,7 @@ impl Run<'_> {
         }
         self.parts[part].entered_at = entered_at;
         self.parts[part].entered = true;
+        self.parts[part].reworked = reworked;
         self.parts[part].since = self.now;
         self.counters.unit_enters(self.now);
         // The components are still counted as in the line, because the new part contains them.
@@ -422,15 +470,14 @@ impl Run<'_> {
 
     /// Removes the part in work as scrap, and orders its replacement. Its work has used energy
     /// nevertheless.
-    pub(super) fn scrap(&mut self, node: usize) {
+    pub(super) fn scrap_work(&mut self, node: usize) {
         let station = self.station(node);
         let (Phase::Service, Some(part)) = (station.phase, station.part) else {
             return;
         };
         station.joules += station.joules_so_far();
         self.station_left(node);
-        let replacement = self.replacement(self.parts[part].kind);
-        self.reject(node, part, replacement);
+        self.scrap(node, part);
     }
 
     /// Begins to process a part, with setup first if the part type has changed.
@@ -443,6 +490,8 @@ impl Run<'_> {
         station.part = Some(part);
         station.task = task;
         station.begun_at = now;
+        self.parts[part].visit(self.setup.first_copy[node]);
+        let station = self.station(node);
         let seconds = if changed { station.setup.draw() } else { 0.0 };
         if seconds > 0.0 {
             station.phase = Phase::Setup;
@@ -462,37 +511,47 @@ impl Run<'_> {
         };
         self.record(node, Some(part), EventKind::Started);
         match self.simulate(node, part) {
-            Ok((seconds, joules)) => {
+            Ok(Service {
+                seconds,
+                joules,
+                control_seconds,
+                ..
+            }) => {
                 let station = self.station(node);
                 station.phase = Phase::Service;
                 station.remaining = seconds;
                 station.phase_seconds = seconds;
                 station.service_joules = joules;
+                station.service_control = control_seconds;
                 self.resume(node);
             }
             Err(error) => self.take_out(node, part, error),
         }
     }
 
-    /// Simulates the task's operations at one instant. Returns seconds and joules. The part's new
+    /// Simulates the task's operations at one instant. Returns their total cost. The part's new
     /// properties are stored in `outcome` until the end of the service.
-    fn simulate(&mut self, node: usize, part: PartIndex) -> Result<(f64, f64), CallError> {
+    fn simulate(&mut self, node: usize, part: PartIndex) -> Result<Service, CallError> {
         let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
-            return Ok((0.0, 0.0));
+            return Ok(Service::default());
         };
         let Place::Station(station) = &mut self.places[node] else {
-            return Ok((0.0, 0.0));
+            return Ok(Service::default());
         };
         let carried = &self.parts[part].properties;
         station.outcome.clear();
         station.outcome.extend_from_slice(carried);
         if let Some(time) = &mut station.times[station.task] {
             let seconds = time.draw();
-            return Ok((seconds, seconds * declared.watts));
+            return Ok(Service {
+                seconds,
+                joules: seconds * declared.watts,
+                ..Service::default()
+            });
         }
         let (Some(controller), Some(machine)) = (&mut self.controllers[node], &declared.machine)
         else {
-            return Ok((0.0, 0.0));
+            return Ok(Service::default());
         };
         let task = &declared.tasks[station.task];
         let values = &mut station.values;
@@ -506,7 +565,7 @@ impl Run<'_> {
                     source.map_or(property.default, |source| carried[source])
                 }),
         );
-        let (mut seconds, mut joules) = (0.0, 0.0);
+        let mut total = Service::default();
         for (operation, parameters) in &task.operations {
             for (value, property) in values.iter_mut().zip(&machine.properties) {
                 if property.kind == PropertyKind::Parameter {
@@ -517,9 +576,11 @@ impl Run<'_> {
                 values[index] = value;
             }
             let service = controller.simulate(*operation, values)?;
-            seconds += service.seconds;
-            joules += service.joules;
-            if let Some(error) = CallError::check_measurable(seconds, joules) {
+            total.seconds += service.seconds;
+            total.joules += service.joules;
+            total.control_seconds += service.control_seconds;
+            total.steps += service.steps;
+            if let Some(error) = CallError::check_measurable(total.seconds, total.joules) {
                 return Err(error);
             }
         }
@@ -528,7 +589,7 @@ impl Run<'_> {
                 station.outcome[*target] = *value;
             }
         }
-        Ok((seconds, joules))
+        Ok(total)
     }
 
     /// Starts or continues setup or service, unless the station is broken down or off shift.
@@ -614,9 +675,12 @@ impl Run<'_> {
         let Some(part) = station.part else { return };
         station.processed += 1;
         station.joules += station.service_joules;
+        station.control_seconds += station.service_control;
+        station.work_seconds += station.phase_seconds;
         station.phase = Phase::Done;
         station.overtime = false;
         let finished = &mut self.parts[part];
+        finished.worked_at = Some(node as u32);
         finished.properties.clone_from(&station.outcome);
         declared.set_values(finished.kind, &mut finished.properties);
         for defect in defects.iter().filter(|d| d.part == finished.kind) {
@@ -630,6 +694,7 @@ impl Run<'_> {
             let value = defect.value.eval(&finished.properties, &[]);
             finished.properties.truncate(count);
             finished.properties[chosen] = value;
+            finished.defect_at = Some(node as u32);
         }
         station.book(now, on_shift);
         self.record(node, Some(part), EventKind::Ended);
