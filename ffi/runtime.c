@@ -78,7 +78,7 @@ typedef struct lw_slot {
     int live;
     int32_t generation; /* 0 if the place has used no generation yet, or begins again */
     int32_t verdict; /* result of the last step or operation: 0 or an error code */
-    int has_results; /* whether `service`, `control` and `properties` hold the results of an operation */
+    int has_results; /* whether the results below are those of an operation */
     lw_stored_state state;
     lw_service service;
     double control; /* seconds of `service` in which no action was active */

@@ -224,7 +224,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 Format::Sarif => console.failed("run", sources, &findings)?,
                 Format::Human | Format::Short => {
                     let head = report::settings(&set);
-                    console.result(&(head + &report::table(line, trace, several)))?;
+                    let waits = if options.verbose {
+                        report::waits(trace)
+                    } else {
+                        String::new()
+                    };
+                    console.result(&(head + &report::table(line, trace, several) + &waits))?;
                     console.findings(sources, &findings)?;
                 }
             }

@@ -16,4 +16,5 @@ mod reports;
 mod serial;
 mod stations;
 mod turns;
+mod waits;
 mod warm_up;

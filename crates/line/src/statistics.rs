@@ -40,6 +40,21 @@ impl Clock {
         self.activity = activity;
     }
 
+    /// The activity under which time is booked now.
+    pub(super) fn activity(&self) -> Activity {
+        self.activity
+    }
+
+    /// Seconds booked up to `now`.
+    pub(super) fn seconds_at(&self, now: f64, activity: Activity) -> f64 {
+        let current = if activity == self.activity {
+            now - self.since
+        } else {
+            0.0
+        };
+        self.seconds(activity) + current
+    }
+
     /// Seconds booked up to the last switch.
     pub(super) fn seconds(&self, activity: Activity) -> f64 {
         self.seconds[activity as usize]

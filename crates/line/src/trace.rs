@@ -207,6 +207,37 @@ pub struct StationStatistics {
     /// Number of parts that were rejected because of this station: one of its defects was the last
     /// to change them, or no defect did and it was the last station to work on them.
     pub scrapped: u64,
+    /// What the station waited for: first the causes of its blocked time, then those of its starved
+    /// time, the greatest first.
+    pub waits: Vec<Wait>,
+}
+
+/// A cause of the time in which a station waited. The shares are of the station's time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wait {
+    /// Whether the station was blocked or starved.
+    pub kind: WaitKind,
+    /// Name of the place: while blocked, the place that had no room; while starved, the station,
+    /// source or store from which the missing part came in the end.
+    pub place: String,
+    /// While blocked: name of the station at that place, or behind the full buffers and conveyors
+    /// that begin there; `None` if there is none.
+    pub station: Option<String>,
+    /// The share of this cause.
+    pub share: f64,
+    /// The part of `share` in which that station had failed or was under repair.
+    pub failed: f64,
+    /// The part of `share` in which that station was off shift.
+    pub off_shift: f64,
+}
+
+/// How a station waits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum WaitKind {
+    /// For room.
+    Blocked,
+    /// For a part.
+    Starved,
 }
 
 /// Mean time of the work on a part, in seconds.

@@ -5,7 +5,9 @@
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
-use linewright_line::trace::{End, LeadTime, Oee, Shares, SourceStatistics, WorkTime};
+use linewright_line::trace::{
+    End, LeadTime, Oee, Shares, SourceStatistics, StationStatistics, WaitKind, WorkTime,
+};
 use linewright_line::{Bottleneck, Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
@@ -44,6 +46,8 @@ pub fn json(
                 "work": station.work_time.map(|work| work_time(work, station.machine.is_some())),
                 "oee": station.oee.as_ref().map(oee),
                 "scrapped": station.scrapped,
+                "blocked_by": waits(station, WaitKind::Blocked),
+                "starved_by": waits(station, WaitKind::Starved),
             })
         })
         .collect();
@@ -224,6 +228,25 @@ fn work_time(work: WorkTime, is_machine: bool) -> Value {
         "action_seconds": divided(work.action_seconds()),
         "control_seconds": divided(work.control_seconds),
     })
+}
+
+/// The causes of the blocked or of the starved time of a station.
+fn waits(station: &StationStatistics, kind: WaitKind) -> Value {
+    let causes = station.waits.iter().filter(|wait| wait.kind == kind);
+    causes
+        .map(|wait| {
+            let mut cause = json!({
+                "place": wait.place,
+                "share": round(wait.share, 6),
+                "failed": round(wait.failed, 6),
+                "off_shift": round(wait.off_shift, 6),
+            });
+            if kind == WaitKind::Blocked {
+                cause["station"] = json!(wait.station);
+            }
+            cause
+        })
+        .collect()
 }
 
 fn oee(oee: &Oee) -> Value {

@@ -8,6 +8,6 @@ mod json;
 mod table;
 
 pub use json::{RUN_SCHEMA, json};
-pub use table::{settings, table};
+pub use table::{settings, table, waits};
 
 const JOULES_PER_KWH: f64 = 3.6e6;

@@ -2,7 +2,7 @@
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line, Metric};
-use linewright_line::trace::{End, Oee, clock, duration};
+use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
 use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -297,6 +297,47 @@ fn equipment(out: &mut String, trace: &Trace) {
     );
 }
 
+/// Returns what each station waited for, for the end of the table of a run; empty if no station
+/// waited for 0.05 % of its time. Ends with a line break.
+pub fn waits(trace: &Trace) -> String {
+    let mut out = String::new();
+    let shown = |share: f64| {
+        if share < 0.0005 {
+            "-".to_owned()
+        } else {
+            percent(Some(share))
+        }
+    };
+    let stations = trace.stations.iter();
+    let rows = stations.flat_map(|station| {
+        let waits = station.waits.iter().filter(|wait| wait.share >= 0.0005);
+        waits.map(move |wait| {
+            let behind = wait.station.as_ref().filter(|name| **name != wait.place);
+            vec![
+                station.name.clone(),
+                match wait.kind {
+                    WaitKind::Blocked => "blocked by",
+                    WaitKind::Starved => "starved by",
+                }
+                .to_owned(),
+                match behind {
+                    Some(station) => format!("{}, before {station}", wait.place),
+                    None => wait.place.clone(),
+                },
+                percent(Some(wait.share)),
+                shown(wait.failed),
+                shown(wait.off_shift),
+            ]
+        })
+    });
+    columns(
+        &mut out,
+        &["station", "waits", "for", "share", "failed", "off shift"],
+        &rows.collect::<Vec<_>>(),
+    );
+    out
+}
+
 fn conveyors(out: &mut String, trace: &Trace) {
     let rows = trace.conveyors.iter().map(|conveyor| {
         vec![
@@ -530,7 +571,7 @@ fn sign(comparison: Comparison) -> &'static str {
 const TERMINAL: usize = 100;
 /// Headings of text columns, which are left-aligned like the first column. All other columns
 /// contain numbers and are right-aligned.
-const TEXT_COLUMNS: [&str; 3] = ["machine", "verdict", "required"];
+const TEXT_COLUMNS: [&str; 5] = ["machine", "verdict", "required", "waits", "for"];
 
 /// Writes a blank line and a table; nothing if there are no rows. Long texts are cut only if the
 /// rows would otherwise be wider than the terminal.

@@ -9,8 +9,8 @@ fn run(text: &str, options: Options) -> Trace {
     plant_of(text, options).run()
 }
 
-/// A shift of an hour, followed by an hour off shift. A plate takes 10 min. The station fails 23 min
-/// after each repair, also off shift, for 5 min, and begins its work again:
+/// A shift of an hour, followed by an hour off shift. A plate takes 10 min. The station fails
+/// 23 min after each repair, also off shift, for 5 min, and begins its work again:
 ///
 /// | minutes | |
 /// |---|---|

@@ -71,6 +71,7 @@ fn as_text() {
     energy       0.003 kWh
     parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line
     rejected     1 Printed (1 ordered again), 1 Product (1 ordered again)
+    quality      first-pass yield 85.7 %, scrap 14.3 %
     violations   1
                  0:02:26 assembly_cell_1, Product 23: turn: gripped
     
@@ -78,6 +79,10 @@ fn as_text() {
     camera          camera_machine         8 0:02:40 0.001 77.7 %  22.3 %   0.0 %  0.0 %   0.0 % 0.0 %
     assembly_cell_1 assembly_cell_1_m…     6 0:03:00 0.001 87.4 %  12.6 %   0.0 %  0.0 %   0.0 % 0.0 %
     milling         milling_machine        0     0 s 0.000  0.0 %   0.0 %   0.0 %  0.0 % 100.0 % 0.0 %
+    
+    station         work a part actions control    OEE availability effectiveness quality
+    camera                 20 s    20 s     0 s 68.0 %       77.7 %       100.0 %  87.5 %
+    assembly_cell_1        30 s    30 s     0 s 87.4 %       87.4 %       100.0 % 100.0 %
     
     conveyor machine parts moving   kWh
     belt     -           7   42 s 0.001
@@ -132,6 +137,8 @@ fn as_json() {
           "reordered": 1
         }
       ],
+      "first_pass_yield": 0.857143,
+      "scrap_ratio": 0.142857,
       "throughput_per_hour": 104.854369,
       "throughput_per_hour_on_shift": null,
       "wip": {
@@ -172,7 +179,28 @@ fn as_json() {
           "idle": 0.0,
           "setup": 0.0,
           "busy_seconds": 160.0,
-          "energy_kwh": 0.001083333
+          "energy_kwh": 0.001083333,
+          "work": {
+            "seconds": 20.0,
+            "action_seconds": 20.0,
+            "control_seconds": 0.0
+          },
+          "oee": {
+            "index": 0.679612,
+            "availability": 0.776699,
+            "effectiveness": 1.0,
+            "quality": 0.875
+          },
+          "scrapped": 1,
+          "blocked_by": [],
+          "starved_by": [
+            {
+              "place": "feeder",
+              "share": 0.029126,
+              "failed": 0.0,
+              "off_shift": 0.0
+            }
+          ]
         },
         {
           "name": "assembly_cell_1",
@@ -185,7 +213,28 @@ fn as_json() {
           "idle": 0.0,
           "setup": 0.0,
           "busy_seconds": 180.0,
-          "energy_kwh": 0.0005
+          "energy_kwh": 0.0005,
+          "work": {
+            "seconds": 30.0,
+            "action_seconds": 30.0,
+            "control_seconds": 0.0
+          },
+          "oee": {
+            "index": 0.873786,
+            "availability": 0.873786,
+            "effectiveness": 1.0,
+            "quality": 1.0
+          },
+          "scrapped": 0,
+          "blocked_by": [],
+          "starved_by": [
+            {
+              "place": "camera",
+              "share": 0.126214,
+              "failed": 0.0,
+              "off_shift": 0.0
+            }
+          ]
         },
         {
           "name": "milling",
@@ -198,7 +247,12 @@ fn as_json() {
           "idle": 1.0,
           "setup": 0.0,
           "busy_seconds": 0.0,
-          "energy_kwh": 0.0
+          "energy_kwh": 0.0,
+          "work": null,
+          "oee": null,
+          "scrapped": 0,
+          "blocked_by": [],
+          "starved_by": []
         }
       ],
       "conveyors": [

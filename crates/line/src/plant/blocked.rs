@@ -97,6 +97,7 @@ impl Run<'_> {
         }
         let rest = horizon - self.now;
         for node in 0..self.places.len() {
+            self.end_wait(node);
             let worked = self.working_seconds(node, horizon);
             if let Place::Station(station) = &mut self.places[node] {
                 station.wait(self.now, worked.clamp(0.0, rest), horizon);

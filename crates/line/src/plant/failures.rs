@@ -154,6 +154,7 @@ impl Run<'_> {
     /// A station breaks down in one of its failure modes.
     pub(super) fn break_down(&mut self, node: usize, mode: usize) {
         let (now, on_shift) = (self.now, self.shifts.is_on(node));
+        self.end_wait(node);
         let station = self.station(node);
         if station.failures.current.is_some() {
             station.failures.waiting.push_back(mode);

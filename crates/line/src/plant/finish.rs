@@ -18,6 +18,9 @@ impl Run<'_> {
         let now = self.now;
         let start = self.counting_start();
         let counted = now - start;
+        for node in 0..self.places.len() {
+            self.end_wait(node);
+        }
         for (index, node) in self.line.nodes.iter().enumerate() {
             match (&node.kind, &mut self.places[index]) {
                 (NodeKind::Station(declared), Place::Station(station)) => {
@@ -36,6 +39,7 @@ impl Run<'_> {
                         work_time: station.work_time(),
                         oee: station.oee(),
                         scrapped: station.scrapped,
+                        waits: station.waits.causes(self.line, station.clock.total()),
                     });
                 }
                 (NodeKind::Conveyor { watts, .. }, Place::Conveyor(conveyor)) => {

@@ -220,6 +220,7 @@ impl Run<'_> {
                 return;
             }
             self.request(outlet, to, kind, since);
+            self.begin_wait(node);
             if admitted {
                 // An older request or a complete bill goes first, so the node is examined to serve
                 // it.
@@ -235,6 +236,7 @@ impl Run<'_> {
                     self.look_at(to);
                 }
             }
+            self.begin_wait(node);
         }
     }
 
@@ -407,6 +409,13 @@ impl Run<'_> {
             }
         }
         self.progress.count_movement();
+        self.end_wait(node);
+        if matches!(
+            self.places[node],
+            Place::Station(_) | Place::Source(_) | Place::Store(_)
+        ) {
+            self.parts[part].came_from = Some(node as u32);
+        }
         self.outlets[outlet].part = None;
         self.outlets[outlet].to = None;
         self.enter(node, part);
@@ -543,8 +552,8 @@ impl Run<'_> {
         }
     }
 
-    /// Charges a rejected part to the station whose defect changed it last; without a defect, to the
-    /// station that worked on it last. A part that no station has worked on is not scrap.
+    /// Charges a rejected part to the station whose defect changed it last; without a defect, to
+    /// the station that worked on it last. A part that no station has worked on is not scrap.
     fn charge_scrap(&mut self, part: PartIndex) {
         let part = &self.parts[part];
         if let Some(station) = part.defect_at.or(part.worked_at) {

@@ -21,6 +21,7 @@ mod queue;
 mod shifts;
 mod station;
 mod supply;
+mod waits;
 mod warm_up;
 
 use super::calendar::Calendar;
@@ -76,6 +77,8 @@ struct Setup {
     contents: Vec<u64>,
     /// By node: the first of the parallel stations that it belongs to, or the node itself.
     first_copy: Vec<u32>,
+    /// By node: for a station, where its parts come from.
+    suppliers: Vec<Vec<u32>>,
 }
 
 /// An event in the calendar.
@@ -228,6 +231,7 @@ impl Plant {
         let (outlets, first_outlet) = flow::outlets(&line);
         let contents = part::contents(&line);
         let first_copy = first_copies(&line);
+        let suppliers = waits::suppliers(&line);
         Ok(Self {
             setup: Setup {
                 line,
@@ -240,6 +244,7 @@ impl Plant {
                 first_outlet,
                 contents,
                 first_copy,
+                suppliers,
             },
             controllers: slots,
         })
@@ -360,6 +365,7 @@ impl<'a> Run<'a> {
         }
         for node in 0..self.places.len() {
             self.schedule_failures(node);
+            self.begin_wait(node);
             self.look_at(node);
         }
         self.settle();
@@ -450,7 +456,7 @@ impl Setup {
     }
 }
 
-/// For each node, the first node whose name differs from its name at most in the number in brackets.
+/// For each node, the first one whose name differs at most in the number in brackets.
 fn first_copies(line: &Line) -> Vec<u32> {
     let mut first = std::collections::BTreeMap::new();
     let nodes = line.nodes.iter().enumerate();

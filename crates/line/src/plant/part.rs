@@ -22,6 +22,8 @@ pub(super) struct Part {
     pub since: f64,
     /// Whether a station has begun to work on it, or on a part in it, for the second time.
     pub reworked: bool,
+    /// The station, source or store that it has left last.
+    pub came_from: Option<u32>,
     /// The station whose work on it ended last.
     pub worked_at: Option<u32>,
     /// The station whose defect changed it last.
@@ -88,6 +90,7 @@ impl Parts {
             entered_at: 0.0,
             since: 0.0,
             reworked: false,
+            came_from: None,
             worked_at: None,
             defect_at: None,
             visits,

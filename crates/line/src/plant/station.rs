@@ -1,6 +1,7 @@
 //! Stations: admission, joining, setup, service, breakdowns and shifts.
 
 use super::failures::Failures;
+use super::waits::Waits;
 use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
@@ -63,6 +64,7 @@ pub(super) struct Station {
     pub lost_seconds: f64,
     /// Number of parts that were rejected because of this station; see `Run::charge_scrap`.
     pub scrapped: u64,
+    pub waits: Waits,
 }
 
 /// Phase of a station's cycle.
@@ -153,6 +155,7 @@ impl Station {
             work_seconds: 0.0,
             lost_seconds: 0.0,
             scrapped: 0,
+            waits: Waits::default(),
         }
     }
 
@@ -300,6 +303,7 @@ impl Station {
         self.work_seconds = 0.0;
         self.lost_seconds = 0.0;
         self.scrapped = 0;
+        self.waits.forget();
     }
 
     /// Closes the accounts at the end of a run: books the time since the last change, and the
@@ -347,6 +351,7 @@ impl Run<'_> {
     /// A part arrives at a station that admits it.
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
+        self.note_supplier(node, part);
         let kind = self.parts[part].kind;
         let station = self.station(node);
         station.visited = true;
@@ -483,6 +488,7 @@ impl Run<'_> {
     /// Begins to process a part, with setup first if the part type has changed.
     fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
         let now = self.now;
+        self.end_starving(node);
         let station = self.station(node);
         let kind = station.kinds[task];
         let changed = station.last_kind.is_some_and(|last| last != kind);
@@ -657,6 +663,7 @@ impl Run<'_> {
             self.resume(node);
         } else {
             station.book(now, on_shift);
+            self.begin_wait(node);
             self.look_at(node);
         }
     }
@@ -716,12 +723,14 @@ impl Run<'_> {
         station.part = None;
         station.overtime = false;
         station.book(now, on_shift);
+        self.begin_wait(node);
     }
 
     /// A shift of the station begins or ends. If work that has begun is finished, the station goes
     /// on with its part.
     pub(super) fn station_shift(&mut self, node: usize, finishes_work: bool) {
         let (now, on_shift) = (self.now, self.shifts.is_on(node));
+        self.end_wait(node);
         let station = self.station(node);
         // A part that comes at this very instant waits for the next shift.
         let has_begun =

@@ -67,6 +67,9 @@ impl Run<'_> {
     pub(super) fn end_warm_up(&mut self) {
         let now = self.now;
         self.counting_since = Some(now);
+        for node in 0..self.places.len() {
+            self.end_wait(node);
+        }
         for place in &mut self.places {
             match place {
                 Place::Station(station) => station.forget(now),
@@ -79,6 +82,9 @@ impl Run<'_> {
                 Place::Source(source) => source.forget(now),
                 Place::Sink | Place::Store(_) => {}
             }
+        }
+        for node in 0..self.places.len() {
+            self.begin_wait(node);
         }
         self.counters.forget(self.line, now, self.seed);
         let (Some(target), Some(product)) = (self.setup.target, self.line.only_product()) else {

@@ -1,0 +1,280 @@
+//! What stations wait for: the places that block them, and the places whose parts they lack.
+//!
+//! A station waits in an *interval* in which it is booked as blocked or starved. An interval ends
+//! when the part leaves or comes, and when a failure or the end of a shift interrupts the wait. At
+//! both ends of an interval, the time in which the awaited station has been down so far is read.
+//! The effort of a wait therefore does not depend on what happens meanwhile. It is constant for a
+//! blocked station, and proportional to the number of its suppliers for a starved one.
+
+use super::{Place, Run, Setup};
+use crate::plant::part::PartIndex;
+use crate::statistics::Activity;
+use crate::trace::{Wait, WaitKind};
+use linewright_language::contract::line::{Line, NodeKind};
+
+/// Maximum number of buffers and conveyors between a station and the one that blocks it.
+const MAX_PLACES_BETWEEN: usize = 16;
+
+/// The waits of a station.
+#[derive(Debug, Default)]
+pub(super) struct Waits {
+    /// The activity of the current interval, and its start in seconds.
+    interval: Option<(Activity, f64)>,
+    /// While blocked: the place without room, and the station at or behind it.
+    blocker: (u32, Option<u32>),
+    /// Down times at the start of the interval: of the blocking station, or of each supplier.
+    start: Vec<Down>,
+    /// Seconds of the intervals since the station became starved, and the down times in them of
+    /// each supplier.
+    starved_seconds: f64,
+    starved_down: Vec<Down>,
+    /// The place from which the last part came.
+    supplier: Option<u32>,
+    blocked: Vec<Cause>,
+    starved: Vec<Cause>,
+}
+
+/// Seconds in which a station has failed or is under repair, and in which it is off shift.
+#[derive(Debug, Clone, Copy, Default)]
+struct Down {
+    failed: f64,
+    off_shift: f64,
+}
+
+impl Down {
+    fn add(&mut self, now: Self, start: Self) {
+        self.failed += now.failed - start.failed;
+        self.off_shift += now.off_shift - start.off_shift;
+    }
+}
+
+/// Seconds for which a station has waited for a place.
+#[derive(Debug)]
+struct Cause {
+    place: u32,
+    station: Option<u32>,
+    seconds: f64,
+    down: Down,
+}
+
+fn charge(causes: &mut Vec<Cause>, place: u32, station: Option<u32>, seconds: f64, down: Down) {
+    let known = causes
+        .iter_mut()
+        .find(|cause| (cause.place, cause.station) == (place, station));
+    if let Some(cause) = known {
+        cause.seconds += seconds;
+        cause.down.add(down, Down::default());
+    } else {
+        causes.push(Cause {
+            place,
+            station,
+            seconds,
+            down,
+        });
+    }
+}
+
+impl Waits {
+    /// Forgets what has been counted, after the interval has ended.
+    pub(super) fn forget(&mut self) {
+        self.starved_seconds = 0.0;
+        self.starved_down.clear();
+        self.blocked.clear();
+        self.starved.clear();
+    }
+
+    /// The causes, as shares of `total` seconds; the greatest come first.
+    pub(super) fn causes(&self, line: &Line, total: f64) -> Vec<Wait> {
+        let name = |node: u32| line.nodes[node as usize].name.clone();
+        let waits = |kind, causes: &[Cause]| {
+            let mut waits: Vec<Wait> = causes
+                .iter()
+                .map(|cause| Wait {
+                    kind,
+                    place: name(cause.place),
+                    station: cause.station.map(name),
+                    share: cause.seconds / total,
+                    failed: cause.down.failed / total,
+                    off_shift: cause.down.off_shift / total,
+                })
+                .collect();
+            waits.sort_by(|a, b| b.share.total_cmp(&a.share));
+            waits
+        };
+        let mut all = waits(WaitKind::Blocked, &self.blocked);
+        all.extend(waits(WaitKind::Starved, &self.starved));
+        all
+    }
+}
+
+impl Run<'_> {
+    /// Begins an interval if a station is booked as blocked or starved. Does nothing during one.
+    pub(super) fn begin_wait(&mut self, node: usize) {
+        let Place::Station(station) = &self.places[node] else {
+            return;
+        };
+        if station.waits.interval.is_some() {
+            return;
+        }
+        let activity = station.clock.activity();
+        match activity {
+            Activity::Blocked => {
+                let Some(place) = self.awaited_place(node) else {
+                    return;
+                };
+                let behind = self.station_behind(place);
+                let down = behind.map(|station| self.down(station));
+                let waits = &mut self.station(node).waits;
+                waits.blocker = (place as u32, behind.map(|station| station as u32));
+                waits.start.clear();
+                waits.start.extend(down);
+            }
+            Activity::Starved => {
+                let setup: &Setup = self.setup;
+                let suppliers = &setup.suppliers[node];
+                self.station(node).waits.start.clear();
+                for &supplier in suppliers {
+                    let down = self.down(supplier as usize);
+                    self.station(node).waits.start.push(down);
+                }
+            }
+            _ => return,
+        }
+        let now = self.now;
+        self.station(node).waits.interval = Some((activity, now));
+    }
+
+    /// Ends the interval of a station, if there is one, before anything else is booked.
+    pub(super) fn end_wait(&mut self, node: usize) {
+        let now = self.now;
+        let Place::Station(station) = &mut self.places[node] else {
+            return;
+        };
+        let waits = &mut station.waits;
+        let Some((activity, since)) = waits.interval.take() else {
+            return;
+        };
+        let seconds = now - since;
+        if seconds <= 0.0 {
+            return;
+        }
+        if activity == Activity::Blocked {
+            let (place, behind) = waits.blocker;
+            let start = waits.start.first().copied().unwrap_or_default();
+            let mut down = Down::default();
+            if let Some(station) = behind {
+                down.add(self.down(station as usize), start);
+            }
+            let causes = &mut self.station(node).waits.blocked;
+            charge(causes, place, behind, seconds, down);
+            return;
+        }
+        waits.starved_seconds += seconds;
+        let setup: &Setup = self.setup;
+        let suppliers = &setup.suppliers[node];
+        waits.starved_down.resize(suppliers.len(), Down::default());
+        for (index, &supplier) in suppliers.iter().enumerate() {
+            let down = self.down(supplier as usize);
+            let waits = &mut self.station(node).waits;
+            let start = waits.start[index];
+            waits.starved_down[index].add(down, start);
+        }
+    }
+
+    /// Charges the time for which a station was starved to the place from which the last part came.
+    pub(super) fn end_starving(&mut self, node: usize) {
+        self.end_wait(node);
+        let setup: &Setup = self.setup;
+        let waits = &mut self.station(node).waits;
+        let seconds = std::mem::take(&mut waits.starved_seconds);
+        if seconds <= 0.0 {
+            return;
+        }
+        if let Some(supplier) = waits.supplier {
+            let mut suppliers = setup.suppliers[node].iter();
+            let index = suppliers.position(|other| *other == supplier);
+            let down = index.and_then(|index| waits.starved_down.get(index));
+            let down = down.copied().unwrap_or_default();
+            charge(&mut waits.starved, supplier, None, seconds, down);
+        }
+        waits.starved_down.clear();
+    }
+
+    /// Notes from where a part has come to a station.
+    pub(super) fn note_supplier(&mut self, node: usize, part: PartIndex) {
+        let supplier = self.parts[part].came_from;
+        self.station(node).waits.supplier = supplier;
+    }
+
+    /// The place for which the part of a station waits, the first one if there are several.
+    fn awaited_place(&self, node: usize) -> Option<usize> {
+        let outlet = &self.outlets[self.setup.first_outlet[node]];
+        let way = outlet.part.and(outlet.to)?;
+        self.setup.ways.to(way).first().copied()
+    }
+
+    /// The station at a place, or behind the full buffers and conveyors that begin there.
+    fn station_behind(&self, mut place: usize) -> Option<usize> {
+        for _ in 0..MAX_PLACES_BETWEEN {
+            match &self.places[place] {
+                Place::Station(_) => return Some(place),
+                Place::Buffer(_) | Place::Conveyor(_) | Place::Belt(_) => {
+                    place = self.awaited_place(place)?;
+                }
+                Place::Source(_) | Place::Sink | Place::Store(_) => return None,
+            }
+        }
+        None
+    }
+
+    /// The seconds for which a station has been down until now.
+    fn down(&self, node: usize) -> Down {
+        let Place::Station(station) = &self.places[node] else {
+            return Down::default();
+        };
+        let seconds = |activity| station.clock.seconds_at(self.now, activity);
+        Down {
+            failed: seconds(Activity::Failed) + seconds(Activity::FailedOffShift),
+            off_shift: seconds(Activity::Idle),
+        }
+    }
+}
+
+/// For each node, the stations, sources and stores from which parts come to it, directly or through
+/// buffers and conveyors.
+pub(super) fn suppliers(line: &Line) -> Vec<Vec<u32>> {
+    let passes_on = |node: usize| {
+        matches!(
+            line.nodes[node].kind,
+            NodeKind::Buffer { .. } | NodeKind::Conveyor { .. }
+        )
+    };
+    let of = |node: usize| {
+        let (mut open, mut seen, mut found) = (vec![node], vec![node], Vec::new());
+        while let Some(at) = open.pop() {
+            for route in line.routes.iter().filter(|route| route.to == at) {
+                if passes_on(route.from) {
+                    if !seen.contains(&route.from) {
+                        seen.push(route.from);
+                        open.push(route.from);
+                    }
+                } else if !found.contains(&(route.from as u32)) {
+                    found.push(route.from as u32);
+                }
+            }
+        }
+        found.sort_unstable();
+        found
+    };
+    let is_station = |node: usize| matches!(line.nodes[node].kind, NodeKind::Station(_));
+    let nodes = 0..line.nodes.len();
+    nodes
+        .map(|node| {
+            if is_station(node) {
+                of(node)
+            } else {
+                Vec::new()
+            }
+        })
+        .collect()
+}
