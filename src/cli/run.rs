@@ -55,8 +55,8 @@ stood in the file. A number of a machine is set for one station only. A wrong na
         allow_negative_numbers = true
     )]
     pub seed: u64,
-    /// Number of replications, with consecutive random seeds [default: 1; with --precision, at most
-    /// 1000]
+    /// Number of replications, with consecutive random seeds; their confidence intervals decide the
+    /// requirements [default: 1; with --precision, at most 1000]
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub replications: Option<u32>,
     /// Make replications until throughput and mean lead time have this relative precision, such as

@@ -13,6 +13,7 @@ mod failures;
 mod flow;
 
 mod reports;
+mod requirements;
 mod serial;
 mod stations;
 mod turns;

@@ -15,5 +15,6 @@ mod limits;
 mod names;
 mod outside;
 mod places;
+mod replications;
 mod session;
 mod settings;

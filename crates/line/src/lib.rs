@@ -59,11 +59,12 @@ pub mod abstraction;
 mod bottleneck;
 pub mod calendar;
 pub mod calls;
-mod metric;
+pub mod metric;
 pub mod mser;
 mod plant;
 pub mod random;
 pub mod replicate;
+mod requirement;
 pub mod sampler;
 mod statistics;
 pub mod trace;
@@ -72,9 +73,9 @@ mod validate;
 
 pub use bottleneck::{Bottleneck, Candidate};
 use linewright_core::deadline::Deadline;
-pub use metric::ReplicatedRequirement;
 pub use plant::Plant;
 pub use replicate::{Count, Estimate, Replications};
+pub use requirement::{ReplicatedRequirement, Verdict};
 pub use trace::{End, Trace};
 pub use undecided::UndecidedReason;
 

@@ -1,12 +1,14 @@
 //! Replications: the same line under several seeds, with confidence intervals.
 
-use super::metric::{self, ReplicatedRequirement};
+use super::metric;
 use super::plant::Plant;
+use super::requirement::{self, ReplicatedRequirement};
 use super::statistics::student_t;
 use super::trace::{End, Trace};
 use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::{Line, Metric};
+use linewright_language::contract::line::Line;
+use linewright_language::contract::metric::Measure;
 
 /// Statistics over several runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +29,7 @@ pub struct Replications {
     pub energy_kwh: Option<Estimate>,
     /// The line's requirements over all runs, in line order.
     pub requirements: Vec<ReplicatedRequirement>,
-    /// Problems in any of the runs, without duplicates. Each requirement that some run violates
+    /// Problems in any of the runs, without duplicates. Each requirement that fails or is undecided
     /// adds one finding.
     pub findings: Vec<Diagnostic>,
 }
@@ -48,6 +50,18 @@ impl Estimate {
         if values.is_empty() {
             return None;
         }
+        // Equal values have no rounding error.
+        if let [first, others @ ..] = values
+            && !others.is_empty()
+            && others
+                .iter()
+                .all(|value| value.to_bits() == first.to_bits())
+        {
+            return Some(Self {
+                mean: *first,
+                half_width: Some(0.0),
+            });
+        }
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let half_width = (values.len() > 1).then(|| {
@@ -56,6 +70,29 @@ impl Estimate {
             student_t(values.len() as u64 - 1) * deviation / count.sqrt()
         });
         Some(Self { mean, half_width })
+    }
+
+    /// Estimated number of runs, in addition to the `runs` that were made, after which the interval
+    /// no longer contains `bound`, if mean and deviation stay as they are. `None` if the mean equals
+    /// the bound, or if more than [`MAX_REPLICATIONS`] runs are needed. Needs an interval.
+    pub(super) fn further_runs(&self, runs: u64, bound: f64) -> Option<u64> {
+        let distance = (self.mean - bound).abs();
+        let deviation = self.half_width? * (runs as f64).sqrt() / student_t(runs - 1);
+        let half = |count: u64| student_t(count - 1) * deviation / (count as f64).sqrt();
+        if distance <= 0.0 || half(MAX_REPLICATIONS) >= distance {
+            return None;
+        }
+        // The half width falls with the number of runs: `few` are not enough, `enough` are.
+        let (mut few, mut enough) = (runs, MAX_REPLICATIONS.max(runs + 1));
+        while enough - few > 1 {
+            let middle = u64::midpoint(few, enough);
+            if half(middle) < distance {
+                enough = middle;
+            } else {
+                few = middle;
+            }
+        }
+        Some(enough - runs)
     }
 
     /// Whether the relative error of the mean is at most `precision`, from 0 to 1, as far as the
@@ -82,6 +119,9 @@ pub enum Count {
         most: u64,
     },
 }
+
+/// Maximum number of replications of a command.
+pub const MAX_REPLICATIONS: u64 = 10_000;
 
 /// Number of replications that are made before their precision is judged. With fewer, the interval
 /// may be narrow by chance.
@@ -259,19 +299,14 @@ impl Replications {
 
     /// Evaluates these runs of a line.
     pub fn of(line: &Line, traces: &[Trace]) -> Self {
-        let estimate = |metric: &Metric| {
+        let estimate = |measure: Measure| {
+            let metric = measure.into();
             let measured = traces
                 .iter()
-                .filter_map(|trace| metric::measure(metric, trace));
+                .filter_map(|trace| metric::measure(&metric, trace));
             Estimate::of(&measured.collect::<Vec<_>>())
         };
-        let over = |value: &dyn Fn(&Trace) -> f64, of_products: bool| {
-            let measured = traces
-                .iter()
-                .filter(|trace| !of_products || trace.products > 0);
-            Estimate::of(&measured.map(value).collect::<Vec<_>>())
-        };
-        let requirements = metric::over(line, traces);
+        let requirements = requirement::over(line, traces);
         let mut findings: Vec<Diagnostic> = Vec::new();
         for finding in traces.iter().flat_map(|trace| &trace.findings) {
             let of_one_run = traces.len() > 1 && finding.code == codes::LINE_REQUIREMENT;
@@ -280,16 +315,16 @@ impl Replications {
             }
         }
         if traces.len() > 1 {
-            findings.extend(metric::unmet(line, traces, &requirements));
+            findings.extend(requirement::unmet(line, traces, &requirements));
         }
         Self {
             seeds: traces.iter().map(|trace| trace.seed).collect(),
-            throughput_per_hour: estimate(&Metric::ThroughputPerHour),
-            makespan: estimate(&Metric::MakespanSeconds),
-            lead_time: estimate(&Metric::LeadTimeMeanSeconds),
-            lead_time_p95: over(&|trace| trace.lead_time.p95, true),
-            wip: over(&|trace| trace.wip.mean, false),
-            energy_kwh: estimate(&Metric::EnergyKwh),
+            throughput_per_hour: estimate(Measure::Throughput),
+            makespan: estimate(Measure::Makespan),
+            lead_time: estimate(Measure::LeadTime),
+            lead_time_p95: estimate(Measure::LeadTimeP95),
+            wip: estimate(Measure::Wip),
+            energy_kwh: estimate(Measure::Energy),
             requirements,
             findings,
         }
@@ -308,5 +343,29 @@ mod tests {
         assert!((estimate.half_width.unwrap() - 1.963_243).abs() < 1e-5);
         assert_eq!(Estimate::of(&[4.0]).unwrap().half_width, None);
         assert_eq!(Estimate::of(&[]), None);
+    }
+
+    /// The mean of equal values is that value, although their sum is rounded.
+    #[test]
+    fn equal_values_are_a_point() {
+        let estimate = Estimate::of(&[0.1; 10]).unwrap();
+        assert_eq!(estimate.mean.to_bits(), 0.1_f64.to_bits());
+        assert_eq!(estimate.half_width, Some(0.0));
+    }
+
+    /// With as many more runs, the interval ends before the bound; with one less, it does not.
+    #[test]
+    fn further_runs_decide() {
+        let estimate = Estimate::of(&[1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        let deviation = 2.5_f64.sqrt();
+        for bound in [1.5, 2.5, 3.1, 4.9] {
+            let more = estimate.further_runs(5, bound).unwrap();
+            let half = |runs: u64| student_t(runs - 1) * deviation / (runs as f64).sqrt();
+            let distance = (3.0 - bound).abs();
+            assert!(half(5 + more) < distance, "{bound}: {more}");
+            assert!(half(4 + more) >= distance, "{bound}: {more}");
+        }
+        assert_eq!(estimate.further_runs(5, 3.0), None);
+        assert_eq!(estimate.further_runs(5, 3.001), None);
     }
 }

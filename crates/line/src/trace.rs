@@ -2,6 +2,7 @@
 //! run.
 
 use super::bottleneck::Bottleneck;
+use super::requirement::Verdict;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_station::ErrorCode;
 
@@ -395,6 +396,17 @@ pub struct RequirementResult {
     pub holds: bool,
     /// Measured value in the metric's unit; `None` if there was nothing to measure.
     pub value: Option<f64>,
+}
+
+impl RequirementResult {
+    /// The verdict on the run.
+    pub fn verdict(&self) -> Verdict {
+        if self.holds {
+            Verdict::Holds
+        } else {
+            Verdict::Fails
+        }
+    }
 }
 
 /// A log entry.

@@ -8,7 +8,7 @@ use linewright_language::contract::line::Line;
 use linewright_line::trace::{
     End, LeadTime, Oee, Shares, SourceStatistics, StationStatistics, WaitKind, WorkTime,
 };
-use linewright_line::{Bottleneck, Estimate, Replications, Trace};
+use linewright_line::{Bottleneck, Estimate, Replications, Trace, Verdict};
 use serde_json::{Value, json};
 
 /// JSON Schema of the document.
@@ -124,7 +124,12 @@ pub fn json(
             .map(|r| {
                 json!({
                     "name": r.name,
-                    "holds": r.holds(),
+                    "holds": r.verdict == Verdict::Holds,
+                    "verdict": r.verdict.word(),
+                    "more_replications": match r.verdict {
+                        Verdict::Undecided { more } => more,
+                        Verdict::Holds | Verdict::Fails => None,
+                    },
                     "value": r.value.map(|value| round(value.mean, 9)),
                     "low": r.value.and_then(|value| bound(value, -1.0, 9)),
                     "high": r.value.and_then(|value| bound(value, 1.0, 9)),
@@ -142,7 +147,7 @@ pub fn json(
             .iter()
             .map(|r| {
                 let value = r.value.map(|value| round(value, 9));
-                json!({"name": r.name, "holds": r.holds, "value": value})
+                json!({"name": r.name, "holds": r.holds, "verdict": r.verdict().word(), "value": value})
             })
             .collect(),
     };

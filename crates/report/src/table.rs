@@ -1,8 +1,8 @@
 //! A run as text for a terminal that is 100 columns wide.
 
 use super::JOULES_PER_KWH;
-use linewright_language::contract::line::{Comparison, Line, Metric};
 use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
+use linewright_language::contract::line::{Comparison, Line};
 use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -408,7 +408,7 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
         .map(|(index, result)| {
             vec![
                 result.name.clone(),
-                if result.holds { "holds" } else { "fails" }.to_owned(),
+                result.verdict().word().to_owned(),
                 required(line, index),
                 measured(result.value, 3),
             ]
@@ -428,19 +428,10 @@ fn requirements_of_all(out: &mut String, line: &Line, replications: &Replication
         .iter()
         .enumerate()
         .map(|(index, result)| {
-            let verdict = if result.holds() {
-                "holds".to_owned()
-            } else {
-                format!(
-                    "fails in {} of {}",
-                    result.runs - result.held_in,
-                    result.runs
-                )
-            };
             let [mean, low, high] = interval(result.value, 3);
             vec![
                 result.name.clone(),
-                verdict,
+                result.verdict.word().to_owned(),
                 required(line, index),
                 mean,
                 low,
@@ -469,7 +460,11 @@ fn required(line: &Line, index: usize) -> String {
         // Computed bounds are rounded, such as the third of an hour's parts.
         let rounded = (r.bound * 1000.0).round() / 1000.0;
         let bound = if rounded == 0.0 { r.bound } else { rounded };
-        format!("{} {} {bound}", metric(&r.metric, line), sign(r.comparison))
+        format!(
+            "{} {} {bound}",
+            line.label_of(&r.metric),
+            sign(r.comparison)
+        )
     })
 }
 
@@ -541,19 +536,6 @@ fn bottleneck(bottleneck: &Bottleneck) -> String {
             let stations: Vec<String> = stations.iter().map(engaged).collect();
             format!("undecided: {}", stations.join(", "))
         }
-    }
-}
-
-fn metric(metric: &Metric, line: &Line) -> String {
-    match metric {
-        Metric::ThroughputPerHour => "throughput per hour".to_owned(),
-        Metric::MakespanSeconds => "makespan in s".to_owned(),
-        Metric::LeadTimeMeanSeconds => "mean lead time in s".to_owned(),
-        Metric::EnergyKwh => "energy in kWh".to_owned(),
-        Metric::Rejected => "rejected parts".to_owned(),
-        Metric::Products => "products".to_owned(),
-        Metric::Violations => "violations".to_owned(),
-        Metric::Busy(nodes) => format!("busy share of {}", line.names_of(nodes)),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The end of a run, its checks, and lines that are refused before they run.
 
 use crate::models::{Builder, at_random, constant, every, plant_of, span};
-use linewright::contract::line::{Comparison, Limit, Metric, Requirement};
+use linewright::contract::line::{Comparison, Limit, Measure, Metric, Requirement};
 use linewright::deadline::Deadline;
 use linewright::line::replicate::replicate;
 use linewright::line::{Count, End, Options, Plant, Trace};
@@ -76,10 +76,10 @@ fn a_broken_line_is_refused_not_run() {
 fn requirements_are_checked() {
     let mut builder = simple();
     for (name, metric, comparison, bound) in [
-        ("fast", Metric::ThroughputPerHour, Comparison::Ge, 400.0),
-        ("busy", Metric::Busy(1..2), Comparison::Eq, 1.0),
-        ("clean", Metric::Rejected, Comparison::Le, 0.0),
-        ("frugal", Metric::EnergyKwh, Comparison::Lt, 1.0),
+        ("fast", Measure::Throughput.into(), Comparison::Ge, 400.0),
+        ("busy", Measure::Busy.at(1..2), Comparison::Eq, 1.0),
+        ("clean", Measure::Rejected.into(), Comparison::Le, 0.0),
+        ("frugal", Measure::Energy.into(), Comparison::Lt, 1.0),
     ] {
         builder.require(Requirement {
             name: name.to_owned(),
@@ -112,11 +112,11 @@ fn the_help_for_a_requirement_fits_its_metric() {
         let trace = builder.run(10);
         trace.findings[0].help.clone().unwrap_or_default()
     };
-    let pace = help(Metric::ThroughputPerHour, Comparison::Ge, 1e6);
+    let pace = help(Measure::Throughput.into(), Comparison::Ge, 1e6);
     assert!(pace.contains("The bottleneck of"), "{pace}");
-    let energy = help(Metric::EnergyKwh, Comparison::Lt, 0.0);
+    let energy = help(Measure::Energy.into(), Comparison::Lt, 0.0);
     assert!(energy.contains("% of the energy of"), "{energy}");
-    let share = help(Metric::Busy(1..2), Comparison::Lt, 0.0);
+    let share = help(Measure::Busy.at(1..2), Comparison::Lt, 0.0);
     assert_eq!(share, "Change the line or the requirement.");
 }
 
@@ -175,7 +175,7 @@ fn a_run_that_was_cut_off_counts_nowhere() {
     let mut builder = simple();
     builder.require(Requirement {
         name: "few".to_owned(),
-        metric: Metric::Rejected,
+        metric: Measure::Rejected.into(),
         comparison: Comparison::Le,
         bound: 0.0,
         span: span(),
@@ -218,9 +218,9 @@ fn what_was_not_measured_holds_of_nothing() {
     let run = |seconds: f64| -> Vec<bool> {
         let mut builder = simple();
         for metric in [
-            Metric::LeadTimeMeanSeconds,
-            Metric::MakespanSeconds,
-            Metric::Rejected,
+            Measure::LeadTime.into(),
+            Measure::Makespan.into(),
+            Measure::Rejected.into(),
         ] {
             builder.require(Requirement {
                 name: "few".to_owned(),

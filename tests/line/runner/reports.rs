@@ -1,7 +1,7 @@
 //! A run as text and as JSON.
 
 use crate::models::{Builder, constant, refusing, span, took, verdict};
-use linewright::contract::line::{Comparison, InitialValue, Metric, Requirement, Supply};
+use linewright::contract::line::{Comparison, InitialValue, Measure, Requirement, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::line::{Options, Plant};
 use linewright::report;
@@ -37,14 +37,14 @@ fn plant() -> Plant {
         .route("Product", &["assembly_cell_1", "warehouse"])
         .require(Requirement {
             name: "pace".to_owned(),
-            metric: Metric::ThroughputPerHour,
+            metric: Measure::Throughput.into(),
             comparison: Comparison::Ge,
             bound: 100.0,
             span: span(),
         })
         .require(Requirement {
             name: "calm".to_owned(),
-            metric: Metric::Busy(5..6),
+            metric: Measure::Busy.at(5..6),
             comparison: Comparison::Lt,
             bound: 0.5,
             span: span(),
@@ -298,11 +298,13 @@ fn as_json() {
         {
           "name": "pace",
           "holds": true,
+          "verdict": "holds",
           "value": 104.854368932
         },
         {
           "name": "calm",
           "holds": true,
+          "verdict": "holds",
           "value": 0.0
         }
       ]
@@ -383,8 +385,8 @@ fn runs_without_a_product_measure_nothing() {
         .station("cell", &["Part"], Faster(0))
         .sink("sink")
         .route("Part", &["source", "cell", "sink"])
-        .require(requirement("done", Metric::MakespanSeconds))
-        .require(requirement("soon", Metric::LeadTimeMeanSeconds));
+        .require(requirement("done", Measure::Makespan.into()))
+        .require(requirement("soon", Measure::LeadTime.into()));
     let mut plant = builder.plant(Options {
         parts: Some(1),
         until: Some(100.0),
@@ -447,21 +449,27 @@ fn requirements_over_all_runs() {
         .route("Part", &["source", "cell", "sink"])
         .require(requirement(
             "pace",
-            Metric::ThroughputPerHour,
+            Measure::Throughput.into(),
             Comparison::Ge,
             150.0,
         ))
         .require(requirement(
             "short",
-            Metric::MakespanSeconds,
+            Measure::Makespan.into(),
             Comparison::Le,
-            300.0,
+            -50.0,
         ))
         .require(requirement(
             "exact",
-            Metric::MakespanSeconds,
+            Measure::Makespan.into(),
             Comparison::Eq,
             100.0,
+        ))
+        .require(requirement(
+            "made",
+            Measure::Products.into(),
+            Comparison::Eq,
+            10.0,
         ));
     let mut plant = builder.plant(Options {
         parts: Some(10),
@@ -478,18 +486,53 @@ fn requirements_over_all_runs() {
     assert_eq!(
         messages,
         [
-            "the requirement pace does not hold in 1 of 3 runs: the throughput in products an hour should be at least 150, \
-             and is 120 with seed 7",
-            "the requirement exact does not hold in 2 of 3 runs: the makespan in seconds should be exactly 100, and is 300 \
-             with seed 7",
+            "the requirement pace is undecided: the throughput in products an hour is 220 (95 % interval -90.269 to \
+             530.269, 3 runs), and should be at least 150",
+            "the requirement short does not hold: the makespan in seconds is 200 (95 % interval -48.414 to 448.414, 3 \
+             runs), and should be at most -50",
+            "the requirement exact is undecided: the makespan in seconds is 200 (95 % interval -48.414 to 448.414, 3 \
+             runs), and should be exactly 100",
+        ]
+    );
+    let helps: Vec<&str> = figures
+        .findings
+        .iter()
+        .filter_map(|f| f.help.as_deref())
+        .collect();
+    assert_eq!(
+        helps,
+        [
+            "About 12 more replications would decide it: `--replications 15`. Longer runs help, too.",
+            "The bottleneck of test was cell; look there first, or change the requirement.",
+            "A mean that varies is never exactly a number: use `<=` or `>=`.",
         ]
     );
     assert!(figures.findings.iter().all(|f| f.code.id == "LW406"));
+    let gave_up: Vec<bool> = figures.findings.iter().map(|f| f.gave_up).collect();
+    assert_eq!(gave_up, [true, false, true]);
     let document = report::json(plant.line(), &traces[0], Some(&figures), None);
-    let [pace, short, exact] = [0, 1, 2].map(|i| &document["requirements"][i]);
+    let requirements = document["requirements"].as_array().expect("they are there");
+    let verdicts: Vec<_> = requirements
+        .iter()
+        .map(|r| (r["verdict"].as_str().unwrap(), r["holds"] == true))
+        .collect();
     assert_eq!(
-        (&pace["holds"], &pace["held_in"], &pace["replications"]),
-        (&false.into(), &2.into(), &3.into())
+        verdicts,
+        [
+            ("undecided", false),
+            ("fails", false),
+            ("undecided", false),
+            ("holds", true)
+        ]
+    );
+    let pace = &requirements[0];
+    assert_eq!(
+        (
+            &pace["held_in"],
+            &pace["replications"],
+            &pace["more_replications"]
+        ),
+        (&2.into(), &3.into(), &12.into())
     );
     assert_eq!(pace["value"], 220.0);
     // t of 2 degrees of freedom 4.302653, standard deviation 124.899960, over the root of 3.
@@ -501,25 +544,18 @@ fn requirements_over_all_runs() {
         (&pace["worst"]["seed"], &pace["worst"]["value"]),
         (&7.into(), &120.0.into())
     );
-    assert_eq!(
-        (&short["holds"], &short["held_in"]),
-        (&true.into(), &3.into())
-    );
-    assert_eq!(
-        (&exact["holds"], &exact["held_in"]),
-        (&false.into(), &1.into())
-    );
     let text = report::table(plant.line(), &traces[0], Some(&figures));
     assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
     let rows: Vec<&str> = text
         .lines()
         .skip_while(|l| !l.contains("requirement"))
-        .take(4)
+        .take(5)
         .collect();
     insta::assert_snapshot!(rows.join("\n"), @r"
-      requirement verdict         required                      mean    from      to   worst
-      pace        fails in 1 of 3 throughput per hour >= 150 220.000 -90.269 530.269 120.000
-      short       holds           makespan in s <= 300       200.000 -48.414 448.414 300.000
-      exact       fails in 2 of 3 makespan in s = 100        200.000 -48.414 448.414 300.000
+      requirement verdict   required                      mean    from      to   worst
+      pace        undecided throughput per hour >= 150 220.000 -90.269 530.269 120.000
+      short       fails     makespan in s <= -50       200.000 -48.414 448.414 300.000
+      exact       undecided makespan in s = 100        200.000 -48.414 448.414 300.000
+      made        holds     products = 10               10.000  10.000  10.000  10.000
     ");
 }

@@ -57,8 +57,8 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// Suggested next step.
     pub help: Option<String>,
-    /// Whether something was left undecided because the command reached a limit: time, memory or
-    /// Ctrl-C.
+    /// Whether something was left undecided because the command reached a limit: time, memory,
+    /// Ctrl-C or the number of runs.
     pub gave_up: bool,
 }
 

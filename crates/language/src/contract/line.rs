@@ -4,6 +4,7 @@
 use super::calendar::WorkCalendar;
 use super::distribution::Distribution;
 use super::machine::{FailureMode, InterruptedWork, Machine, RealExpr};
+pub use super::metric::{Measure, Metric};
 use linewright_core::gr1::describe_domain;
 use linewright_core::source::Span;
 use std::ops::Range;
@@ -258,6 +259,23 @@ impl Line {
                 of_part.map(|(_, n)| *n).fold(0, u64::saturating_add) >= ENDLESS_COUNT
             }
             _ => false,
+        }
+    }
+
+    /// Returns a metric with its unit, for tables: `busy share of capper`.
+    pub fn label_of(&self, metric: &Metric) -> String {
+        self.with_places(metric.measure.info().label, metric)
+    }
+
+    /// Returns a metric with its unit as the subject of a sentence: `the busy share of capper`.
+    pub fn subject_of(&self, metric: &Metric) -> String {
+        self.with_places(metric.measure.info().subject, metric)
+    }
+
+    fn with_places(&self, words: &str, metric: &Metric) -> String {
+        match metric.measure.info().place {
+            Some(_) => format!("{words} {}", self.names_of(&metric.nodes)),
+            None => words.to_owned(),
         }
     }
 
@@ -527,28 +545,6 @@ pub struct Requirement {
     pub bound: f64,
     /// Source position of the declaration.
     pub span: Span,
-}
-
-/// A metric of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Metric {
-    /// End products per hour that arrive in a sink or store.
-    ThroughputPerHour,
-    /// Seconds from the start to the last end product.
-    MakespanSeconds,
-    /// Mean lead time in seconds: from when the product's first part leaves its source to when the
-    /// product arrives in its sink or store.
-    LeadTimeMeanSeconds,
-    /// Total energy in kilowatt hours.
-    EnergyKwh,
-    /// Number of rejected parts.
-    Rejected,
-    /// Number of end products.
-    Products,
-    /// Number of contract violations.
-    Violations,
-    /// Mean share of the run in which these stations (node indices) are busy, from 0 to 1.
-    Busy(Range<usize>),
 }
 
 /// Comparison of a metric with its bound.

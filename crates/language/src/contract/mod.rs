@@ -12,6 +12,7 @@ mod lines;
 mod load;
 pub mod machine;
 mod machines;
+pub mod metric;
 mod patterns;
 mod routes;
 mod scope;

@@ -2,7 +2,7 @@
 
 use super::{Place, Run};
 use crate::bottleneck::Bottleneck;
-use crate::metric;
+use crate::requirement;
 use crate::statistics::Activity;
 use crate::trace::{
     BufferStatistics, ConveyorStatistics, End, MachineStatistics, PartCounts, ProductStatistics,
@@ -176,7 +176,7 @@ impl Run<'_> {
             findings: self.journal.findings,
             log: self.journal.log,
         };
-        metric::check(self.line, &mut trace);
+        requirement::check(self.line, &mut trace);
         trace
     }
 

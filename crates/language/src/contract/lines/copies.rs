@@ -1,6 +1,6 @@
 //! `times 3`: one station of the file that stands for several of the line.
 
-use crate::contract::line::{Choice, Line, Metric, Node, NodeKind, Route};
+use crate::contract::line::{Choice, Line, Node, NodeKind, Route};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -37,8 +37,9 @@ pub(super) fn expand(line: &mut Line, times: &BTreeMap<usize, usize>) {
     }
     line.nodes = nodes;
     for requirement in &mut line.requirements {
-        if let Metric::Busy(stations) = &mut requirement.metric {
-            *stations = copies[stations.start].clone();
+        let nodes = &mut requirement.metric.nodes;
+        if !Range::is_empty(nodes) {
+            *nodes = copies[nodes.start].clone();
         }
     }
     expand_routes(line, &copies);

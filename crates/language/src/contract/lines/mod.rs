@@ -14,13 +14,14 @@ use super::elaborate::{Elaborator, nearest};
 use super::line::{BufferOrder, Line, Node, NodeKind, PartType};
 use super::machine::Machine;
 use super::machines::PropertyType;
+use super::metric::PlaceKind;
 use super::routes;
 use super::scope::{self, Decl, Scope, duplicate_name};
 use calendars::Days;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, LineItem};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A part type, with the types of its properties.
@@ -49,10 +50,8 @@ struct Builder<'a, 's> {
     common_times: BTreeMap<usize, (Distribution, Span)>,
     /// The first day of a run, and the closed days.
     days: Days,
-    /// Indices of the nodes that are stations.
-    stations: BTreeSet<usize>,
-    /// Indices of the nodes that are sources.
-    sources_of_parts: BTreeSet<usize>,
+    /// Kinds of the nodes that metrics can be about.
+    kinds: BTreeMap<usize, PlaceKind>,
 }
 
 /// Resolves a line. Returns `None` if there is an error, which is added to the findings.
@@ -76,8 +75,7 @@ pub(super) fn line<'a>(
         times: BTreeMap::new(),
         common_times: BTreeMap::new(),
         days: Days::default(),
-        stations: BTreeSet::new(),
-        sources_of_parts: BTreeSet::new(),
+        kinds: BTreeMap::new(),
     };
     let mut model = builder.build(decl);
     let times = builder.times;
@@ -174,11 +172,13 @@ impl<'a> Builder<'a, '_> {
                 self.e.findings.push(duplicate_name(name, *first));
             }
             spans.insert(&name.text, name.span);
-            match item {
-                LineItem::Station { .. } => self.stations.insert(nodes),
-                LineItem::Source { .. } => self.sources_of_parts.insert(nodes),
-                _ => false,
+            let kind = match item {
+                LineItem::Station { .. } => Some(PlaceKind::Station),
+                LineItem::Source { .. } => Some(PlaceKind::Source),
+                LineItem::Buffer { .. } => Some(PlaceKind::Buffer),
+                _ => None,
             };
+            self.kinds.extend(kind.map(|kind| (nodes, kind)));
             let (index, counter) = if node {
                 (&mut self.node_index, &mut nodes)
             } else {

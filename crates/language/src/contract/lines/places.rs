@@ -7,6 +7,7 @@ use crate::contract::instantiate;
 use crate::contract::line::{Belt, NodeKind, Supply};
 use crate::contract::machine::{Machine, RealExpr};
 use crate::contract::machines::{duration, machine, non_negative, random_duration};
+use crate::contract::metric::PlaceKind;
 use crate::contract::scope::duplicate_statement;
 use crate::contract::value::{Dimension, Value};
 use crate::contract::{MAX_SECONDS, MIN_SECONDS, is_duration};
@@ -80,7 +81,7 @@ impl<'a> Builder<'a, '_> {
                     None => None,
                     Some(r) => {
                         let node = self.find_node(r)?;
-                        if !self.sources_of_parts.contains(&node) {
+                        if self.kinds.get(&node) != Some(&PlaceKind::Source) {
                             self.e.findings.error_with(
                                 codes::LINE_UNKNOWN,
                                 r.span,

@@ -2,8 +2,9 @@
 
 use super::Builder;
 use crate::contract::elaborate::nearest;
-use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement};
+use crate::contract::line::{Comparison, Limit, Line, Requirement};
 use crate::contract::machines::non_negative;
+use crate::contract::metric::{MEASURES, Measure, MeasureInfo, MeasureUnit, Metric};
 use crate::contract::scope::{duplicate_name, duplicate_statement};
 use crate::contract::value::Dimension;
 use linewright_core::diagnostics::codes;
@@ -108,10 +109,11 @@ impl<'a> Builder<'a, '_> {
                 per_hour,
                 span,
             } => {
-                let Some((metric, dimension, factor)) = self.metric(metric, of.as_ref()) else {
+                let Some(metric) = self.metric(metric, of.as_ref()) else {
                     return;
                 };
-                if *per_hour != (metric == Metric::ThroughputPerHour) {
+                let unit = metric.measure.info().unit;
+                if *per_hour != (unit == MeasureUnit::PerHour) {
                     self.e.findings.error_with(
                         codes::TYPE_MISMATCH,
                         *span,
@@ -139,8 +141,8 @@ impl<'a> Builder<'a, '_> {
                         return;
                     }
                 };
-                if let Some(value) = self.e.constant_quantity(bound, dimension) {
-                    if matches!(metric, Metric::Busy(_)) && !(0.0..=1.0).contains(&value) {
+                if let Some(value) = self.e.constant_quantity(bound, unit.dimension()) {
+                    if unit == MeasureUnit::Share && !(0.0..=1.0).contains(&value) {
                         self.e.findings.error_with(
                             codes::ARGUMENT,
                             bound.span,
@@ -153,7 +155,7 @@ impl<'a> Builder<'a, '_> {
                         name: name.text.clone(),
                         metric,
                         comparison,
-                        bound: value / factor,
+                        bound: value / unit.in_base_units(),
                         span: *span,
                     });
                 }
@@ -162,59 +164,62 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Resolves a metric. Returns the metric, the dimension of its bound, and the factor that
-    /// converts its unit to base units.
-    pub(super) fn metric(
-        &mut self,
-        name: &ast::Name,
-        of: Option<&ast::Name>,
-    ) -> Option<(Metric, Dimension, f64)> {
-        const NAMES: [&str; 8] = [
-            "throughput",
-            "makespan",
-            "lead_time",
-            "energy",
-            "rejected",
-            "products",
-            "violations",
-            "busy",
-        ];
-        Some(match (name.text.as_str(), of) {
-            ("throughput", None) => (Metric::ThroughputPerHour, Dimension::None, 1.0),
-            ("makespan", None) => (Metric::MakespanSeconds, Dimension::Time, 1.0),
-            ("lead_time", None) => (Metric::LeadTimeMeanSeconds, Dimension::Time, 1.0),
-            ("energy", None) => (Metric::EnergyKwh, Dimension::Energy, 3.6e6),
-            ("rejected", None) => (Metric::Rejected, Dimension::None, 1.0),
-            ("products", None) => (Metric::Products, Dimension::None, 1.0),
-            ("violations", None) => (Metric::Violations, Dimension::None, 1.0),
-            ("busy", Some(station)) => {
-                let node = self.find_node(station)?;
-                if !self.stations.contains(&node) {
+    /// Resolves a metric.
+    fn metric(&mut self, name: &ast::Name, of: Option<&ast::Name>) -> Option<Metric> {
+        let Some(measure) = Measure::named(&name.text) else {
+            let all: Vec<String> = MEASURES.iter().map(MeasureInfo::syntax).collect();
+            let metrics = format!("the metrics are {}", all.join(", "));
+            let help = match nearest(&name.text, MEASURES.iter().map(|info| info.name)) {
+                Some(near) => {
+                    let near = Measure::named(near).map_or_else(String::new, |m| m.info().syntax());
+                    format!("did you mean `{near}`? {metrics}")
+                }
+                None => metrics,
+            };
+            self.e.findings.error_with(
+                codes::NAME_UNKNOWN,
+                name.span,
+                format!("there is no metric `{}`", name.text),
+                help,
+            );
+            return None;
+        };
+        let info = measure.info();
+        let nodes = match (info.place, of) {
+            (None, None) => 0..0,
+            (Some(kind), Some(place)) => {
+                let node = self.find_node(place)?;
+                if self.kinds.get(&node) != Some(&kind) {
+                    let word = kind.word();
                     self.e.findings.error_with(
                         codes::LINE_UNKNOWN,
-                        station.span,
-                        format!("`{}` is not a station", station.text),
-                        "name a station: only stations have this metric",
+                        place.span,
+                        format!("`{}` is not a {word}", place.text),
+                        format!("name a {word}: only {word}s have this metric"),
                     );
                     return None;
                 }
-                (Metric::Busy(node..node + 1), Dimension::None, 1.0)
+                node..node + 1
             }
-            (other, _) => {
-                let metrics = format!("the metrics are {}(station)", NAMES.join(", "));
-                let help = match nearest(other, NAMES.into_iter()) {
-                    Some("busy") => "write `busy(station)`".to_owned(),
-                    Some(near) => format!("did you mean `{near}`? {metrics}"),
-                    None => metrics,
-                };
+            (None, Some(place)) => {
                 self.e.findings.error_with(
-                    codes::NAME_UNKNOWN,
-                    name.span,
-                    format!("there is no metric `{other}`"),
-                    help,
+                    codes::LINE_UNKNOWN,
+                    place.span,
+                    format!("`{}` is measured for the whole line", info.name),
+                    format!("write `{}` without a place", info.name),
                 );
                 return None;
             }
-        })
+            (Some(_), None) => {
+                self.e.findings.error_with(
+                    codes::NAME_UNKNOWN,
+                    name.span,
+                    format!("there is no metric `{}` of the whole line", info.name),
+                    format!("write `{}`", info.syntax()),
+                );
+                return None;
+            }
+        };
+        Some(Metric { measure, nodes })
     }
 }

@@ -1,0 +1,405 @@
+//! Requirements: whether measured values meet their bounds.
+//!
+//! One run is judged by its values. Several runs are judged by the confidence interval of the mean,
+//! so that the verdict does not change with every further run, and a line whose mean is next to the
+//! bound gets no verdict by luck.
+
+use super::bottleneck::Bottleneck;
+use super::metric::measure;
+use super::replicate::{Estimate, MAX_REPLICATIONS};
+use super::trace::{End, RequirementResult, Trace};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{Comparison, Line, Requirement};
+use linewright_language::contract::metric::{Measure, Metric};
+
+/// Whether a requirement holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// All values of the interval meet the bound.
+    Holds,
+    /// No value of the interval meets the bound.
+    Fails,
+    /// The bound lies in the interval.
+    Undecided {
+        /// Estimated number of further runs after which the interval no longer contains the bound;
+        /// `None` if the mean equals the bound or if more than [`MAX_REPLICATIONS`] runs are needed.
+        more: Option<u64>,
+    },
+}
+
+impl Verdict {
+    /// Returns the verdict's name in output.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "fails",
+            Self::Undecided { .. } => "undecided",
+        }
+    }
+}
+
+fn meets(value: f64, comparison: Comparison, bound: f64) -> bool {
+    #[expect(clippy::float_cmp, reason = "the language's own equality")]
+    match comparison {
+        Comparison::Lt => value < bound,
+        Comparison::Le => value <= bound,
+        Comparison::Eq => value == bound,
+        Comparison::Ge => value >= bound,
+        Comparison::Gt => value > bound,
+    }
+}
+
+fn words(comparison: Comparison) -> &'static str {
+    match comparison {
+        Comparison::Lt => "less than",
+        Comparison::Le => "at most",
+        Comparison::Eq => "exactly",
+        Comparison::Ge => "at least",
+        Comparison::Gt => "more than",
+    }
+}
+
+/// The measured value as the predicate of a sentence.
+fn is(metric: &Metric, value: Option<f64>) -> String {
+    if let Some(value) = value {
+        return format!("is {}", thousandths(value));
+    }
+    let why = metric.measure.info().absent.unwrap_or("nothing was there");
+    format!("was not measured, since {why}")
+}
+
+/// Checks all requirements of a line in one run. Each requirement that does not hold becomes a
+/// finding. A run that was cut off is not checked.
+pub(super) fn check(line: &Line, trace: &mut Trace) {
+    if trace.end == End::GaveUp {
+        return;
+    }
+    for requirement in &line.requirements {
+        let value = measure(&requirement.metric, trace);
+        let (comparison, bound) = (requirement.comparison, requirement.bound);
+        let holds = value.is_some_and(|value| meets(value, comparison, bound));
+        if !holds {
+            let message = format!(
+                "the requirement {} does not hold: {} {}, and should be {} {bound}",
+                requirement.name,
+                line.subject_of(&requirement.metric),
+                is(&requirement.metric, value),
+                words(comparison),
+            );
+            trace.findings.push(
+                Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
+                    .with_help(advice(&requirement.metric, line, trace)),
+            );
+        }
+        trace.requirements.push(RequirementResult {
+            name: requirement.name.clone(),
+            holds,
+            value,
+        });
+    }
+}
+
+/// A requirement over several runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplicatedRequirement {
+    /// Name of the requirement.
+    pub name: String,
+    /// Whether it holds.
+    pub verdict: Verdict,
+    /// Number of runs in which it holds.
+    pub held_in: usize,
+    /// Number of runs.
+    pub runs: usize,
+    /// Measured value in the metric's unit, over the runs in which it could be measured; `None` if
+    /// there is no such run.
+    pub value: Option<Estimate>,
+    /// Index of the first run in which the value could not be measured. If there is none: index of
+    /// the run that violates the bound most or, if no run violates it, comes closest to doing so.
+    pub worst: usize,
+    /// Measured value in the run `worst`; `None` if it could not be measured.
+    pub worst_value: Option<f64>,
+    /// Whether the verdict follows from single runs, not from the interval.
+    by_run: bool,
+}
+
+/// Evaluates the requirements of a line over these runs.
+pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> {
+    let requirements = line.requirements.iter().enumerate();
+    requirements
+        .map(|(index, requirement)| {
+            let results = || {
+                traces
+                    .iter()
+                    .filter_map(|trace| trace.requirements.get(index))
+            };
+            let values: Vec<Option<f64>> = results().map(|result| result.value).collect();
+            let worst = worst(requirement, &values);
+            let measured: Vec<f64> = values.iter().copied().flatten().collect();
+            let value = Estimate::of(&measured);
+            let in_one = in_one_run(requirement, &values);
+            ReplicatedRequirement {
+                name: requirement.name.clone(),
+                verdict: match (in_one, value) {
+                    (Some(verdict), _) => verdict,
+                    (None, Some(value)) => by_interval(requirement, value, measured.len() as u64),
+                    (None, None) => Verdict::Fails,
+                },
+                held_in: results().filter(|result| result.holds).count(),
+                runs: values.len(),
+                worst,
+                worst_value: values.get(worst).copied().flatten(),
+                value,
+                by_run: in_one.is_some(),
+            }
+        })
+        // Runs that were cut off have no results; without any results, there is nothing to report.
+        .filter(|result| result.runs > 0)
+        .collect()
+}
+
+/// Index of the run that misses the bound most.
+fn worst(requirement: &Requirement, values: &[Option<f64>]) -> usize {
+    let miss = |value: Option<f64>| match (requirement.comparison, value) {
+        (_, None) => f64::INFINITY,
+        (Comparison::Lt | Comparison::Le, Some(value)) => value - requirement.bound,
+        (Comparison::Eq, Some(value)) => (value - requirement.bound).abs(),
+        (Comparison::Ge | Comparison::Gt, Some(value)) => requirement.bound - value,
+    };
+    let mut worst = 0;
+    for (run, &value) in values.iter().enumerate() {
+        if miss(value) > miss(values[worst]) {
+            worst = run;
+        }
+    }
+    worst
+}
+
+/// The verdict if single runs give it; `None` if the interval has to.
+///
+/// - A run in which nothing could be measured fails the requirement.
+/// - Contract violations are judged in each run: a rule that is violated once is violated.
+/// - A bound that no value can pass (0, or 100 % of a share) is an end of the range. If a single run
+///   is not there, neither is the mean.
+fn in_one_run(requirement: &Requirement, values: &[Option<f64>]) -> Option<Verdict> {
+    let (comparison, bound) = (requirement.comparison, requirement.bound);
+    let verdict = |holds: bool| {
+        Some(if holds {
+            Verdict::Holds
+        } else {
+            Verdict::Fails
+        })
+    };
+    if values.iter().any(Option::is_none) {
+        return verdict(false);
+    }
+    let measured = || values.iter().copied().flatten();
+    if requirement.metric.measure == Measure::Violations {
+        return verdict(measured().all(|value| meets(value, comparison, bound)));
+    }
+    let unit = requirement.metric.measure.info().unit;
+    let is_end = bound == 0.0 || unit.greatest() == Some(bound);
+    #[expect(clippy::float_cmp, reason = "the ends of the range are exact")]
+    let inside = measured()
+        .find(|value| *value != bound)
+        .filter(|_| is_end)?;
+    verdict(meets(inside, comparison, bound))
+}
+
+/// The verdict of a confidence interval.
+fn by_interval(requirement: &Requirement, value: Estimate, runs: u64) -> Verdict {
+    let (comparison, bound) = (requirement.comparison, requirement.bound);
+    let half = value.half_width.unwrap_or(0.0);
+    let (low, high) = (value.mean - half, value.mean + half);
+    let meets = |value: f64| meets(value, comparison, bound);
+    if comparison == Comparison::Eq && low <= bound && bound <= high && half > 0.0 {
+        let more = value.further_runs(runs, bound);
+        return Verdict::Undecided { more };
+    }
+    match (meets(low), meets(high)) {
+        (true, true) => Verdict::Holds,
+        (false, false) => Verdict::Fails,
+        _ => Verdict::Undecided {
+            more: value.further_runs(runs, bound),
+        },
+    }
+}
+
+/// One finding for each requirement that fails or is undecided over several runs.
+pub(super) fn unmet(
+    line: &Line,
+    traces: &[Trace],
+    results: &[ReplicatedRequirement],
+) -> Vec<Diagnostic> {
+    let mut findings = Vec::new();
+    for (requirement, result) in line.requirements.iter().zip(results) {
+        let Some(worst) = traces.get(result.worst) else {
+            continue;
+        };
+        match result.verdict {
+            Verdict::Holds => {}
+            Verdict::Fails => {
+                let message = if result.by_run {
+                    fails_in_runs(line, requirement, result, worst.seed)
+                } else {
+                    fails(line, requirement, result)
+                };
+                findings.push(
+                    Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
+                        .with_help(advice(&requirement.metric, line, worst)),
+                );
+            }
+            Verdict::Undecided { more } => {
+                findings.push(undecided(line, requirement, result, more));
+            }
+        }
+    }
+    findings
+}
+
+/// `95 % interval 3589.1 to 3632.4, 6 runs`.
+fn interval(result: &ReplicatedRequirement) -> String {
+    let Some((value, half)) = result.value.and_then(|v| Some((v.mean, v.half_width?))) else {
+        return format!("{} runs", result.runs);
+    };
+    if half <= 0.0 {
+        return format!("in all {} runs", result.runs);
+    }
+    format!(
+        "95 % interval {} to {}, {} runs",
+        thousandths(value - half),
+        thousandths(value + half),
+        result.runs
+    )
+}
+
+fn fails(line: &Line, requirement: &Requirement, result: &ReplicatedRequirement) -> String {
+    format!(
+        "the requirement {} does not hold: {} {} ({}), and should be {} {}",
+        requirement.name,
+        line.subject_of(&requirement.metric),
+        is(&requirement.metric, result.value.map(|value| value.mean)),
+        interval(result),
+        words(requirement.comparison),
+        requirement.bound,
+    )
+}
+
+fn fails_in_runs(
+    line: &Line,
+    requirement: &Requirement,
+    result: &ReplicatedRequirement,
+    seed: u64,
+) -> String {
+    let metric = &requirement.metric;
+    // Without a value, the sentence ends with the reason, so the seed comes first.
+    let with_seed = match result.worst_value {
+        Some(_) => format!("{} with seed {seed}", is(metric, result.worst_value)),
+        None => format!("with seed {seed} it {}", is(metric, None)),
+    };
+    format!(
+        "the requirement {} does not hold in {} of {} runs: {} should be {} {}, and {with_seed}",
+        requirement.name,
+        result.runs - result.held_in,
+        result.runs,
+        line.subject_of(metric),
+        words(requirement.comparison),
+        requirement.bound,
+    )
+}
+
+fn undecided(
+    line: &Line,
+    requirement: &Requirement,
+    result: &ReplicatedRequirement,
+    more: Option<u64>,
+) -> Diagnostic {
+    let message = format!(
+        "the requirement {} is undecided: {} {} ({}), and should be {} {}",
+        requirement.name,
+        line.subject_of(&requirement.metric),
+        is(&requirement.metric, result.value.map(|value| value.mean)),
+        interval(result),
+        words(requirement.comparison),
+        requirement.bound,
+    );
+    let help = match more {
+        _ if requirement.comparison == Comparison::Eq => {
+            "A mean that varies is never exactly a number: use `<=` or `>=`.".to_owned()
+        }
+        Some(more) => format!(
+            "About {more} more replications would decide it: `--replications {}`. Longer runs help, too.",
+            result.runs as u64 + more
+        ),
+        None => format!(
+            "{MAX_REPLICATIONS} replications would not decide it: let each run last longer, or change the requirement.",
+        ),
+    };
+    Diagnostic::warning(codes::LINE_REQUIREMENT, requirement.span, message)
+        .with_help(help)
+        .giving_up(true)
+}
+
+fn thousandths(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
+}
+
+/// Where to begin: at the bottleneck if the metric depends on the pace of the line, at the largest
+/// consumer if it is the energy.
+fn advice(metric: &Metric, line: &Line, trace: &Trace) -> String {
+    let found = match metric.measure {
+        Measure::Throughput
+        | Measure::ThroughputOnShift
+        | Measure::Makespan
+        | Measure::LeadTime
+        | Measure::LeadTimeMedian
+        | Measure::LeadTimeP95
+        | Measure::LeadTimeMax
+        | Measure::Wip
+        | Measure::WipMax
+        | Measure::Products => bottleneck(line, &trace.bottleneck),
+        Measure::Energy | Measure::EnergyPerProduct => {
+            largest_consumer(trace).map(|(name, joules)| {
+                let share = 100.0 * joules / trace.joules;
+                format!("{name} used {share:.0} % of the energy of {}", line.name)
+            })
+        }
+        _ => None,
+    };
+    match found {
+        Some(found) => format!("{found}; look there first, or change the requirement."),
+        None => "Change the line or the requirement.".to_owned(),
+    }
+}
+
+/// Where to begin to make a line faster.
+fn bottleneck(line: &Line, bottleneck: &Bottleneck) -> Option<String> {
+    match bottleneck {
+        Bottleneck::Nothing => None,
+        Bottleneck::Station(station) => Some(format!(
+            "The bottleneck of {} was {}",
+            line.name, station.name
+        )),
+        Bottleneck::Source { names, .. } => Some(format!(
+            "The line took in all that {} brought",
+            names.join(" and ")
+        )),
+        Bottleneck::Undecided(stations) => {
+            let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
+            Some(format!(
+                "{} limited {} alike",
+                names.join(" and "),
+                line.name
+            ))
+        }
+    }
+}
+
+/// The station or conveyor that used the most energy, and its energy in joules.
+fn largest_consumer(trace: &Trace) -> Option<(&str, f64)> {
+    let stations = trace.stations.iter().map(|s| (s.name.as_str(), s.joules));
+    let conveyors = trace.conveyors.iter().map(|c| (c.name.as_str(), c.joules));
+    let used = stations
+        .chain(conveyors)
+        .filter(|(_, joules)| *joules > 0.0);
+    used.max_by(|a, b| a.1.total_cmp(&b.1))
+}

@@ -1,0 +1,205 @@
+//! Requirements: what they speak of, and how several runs are judged.
+
+use crate::models::plant_of;
+use linewright::line::{Options, Replications, Trace, Verdict};
+use linewright::report;
+
+fn runs(text: &str, count: u64, until: f64) -> (Vec<Trace>, Replications) {
+    let options = Options {
+        until: Some(until),
+        ..Options::default()
+    };
+    plant_of(text, options).replicate(count)
+}
+
+fn verdicts(figures: &Replications) -> Vec<&'static str> {
+    let requirements = figures.requirements.iter();
+    requirements.map(|r| r.verdict.word()).collect()
+}
+
+/// M/D/1 with one arrival a second: 3600 parts an hour are neither reached nor missed.
+const M_D_1: &str = "line L {
+    part P
+    source rack: P every random 1 s
+    buffer queue capacity 1000
+    station cell { takes 0.8 s }
+    sink out
+    route P: rack -> queue -> cell -> out
+    requirement pace: throughput >= 3600 per hour
+    requirement half: throughput >= 1800 per hour
+    requirement twice: throughput >= 7200 per hour
+    requirement quick: lead_time <= 2.4 s
+    requirement sound: violations = 0
+    requirement made: products >= 1
+}";
+
+#[test]
+fn a_bound_in_the_interval_is_undecided() {
+    let (traces, figures) = runs(M_D_1, 6, 2e4);
+    assert_eq!(
+        verdicts(&figures),
+        ["undecided", "holds", "fails", "undecided", "holds", "holds"]
+    );
+    let findings: Vec<_> = figures
+        .findings
+        .iter()
+        .map(|f| (f.code.id, f.gave_up))
+        .collect();
+    assert_eq!(
+        findings,
+        [("LW406", true), ("LW406", false), ("LW406", true)]
+    );
+    assert_eq!(traces.len(), 6);
+}
+
+/// The number of further runs is an estimate: with as many, the interval is narrow enough if the
+/// mean does not move towards the bound.
+#[test]
+fn more_runs_decide() {
+    let text = M_D_1.replace(">= 3600 per", ">= 3570 per");
+    let (_, figures) = runs(&text, 4, 2e4);
+    let Verdict::Undecided { more: Some(more) } = figures.requirements[0].verdict else {
+        panic!("{:?}", figures.requirements[0]);
+    };
+    let (_, figures) = runs(&text, 4 + 2 * more, 2e4);
+    assert_eq!(verdicts(&figures)[0], "holds");
+}
+
+/// Some runs have no rejected part. Their interval contains 0, but the mean is greater than 0.
+#[test]
+fn what_cannot_be_negative_is_not_undecided_at_zero() {
+    let text = "line L {
+        part P
+        source rack: P every random 10 s
+        buffer queue capacity 1
+        station cell { takes 5 s }
+        sink out
+        sink floor rejects
+        route P: rack -> queue, floor
+        route P: queue -> cell -> out
+        requirement none: rejected = 0
+        requirement few: rejected <= 0
+        requirement some: rejected > 0
+        requirement free: lost(rack) <= 0 %
+        requirement always_full: full(queue) >= 100 %
+    }";
+    let (traces, figures) = runs(text, 10, 150.0);
+    let rejected: Vec<u64> = traces.iter().map(|t| t.parts.rejected).collect();
+    assert!(
+        rejected.contains(&0) && rejected.iter().any(|n| *n > 0),
+        "{rejected:?}"
+    );
+    assert_eq!(
+        verdicts(&figures),
+        ["fails", "fails", "holds", "fails", "fails"]
+    );
+    let first = &figures.findings[0].message;
+    assert!(first.contains("does not hold in "), "{first}");
+}
+
+/// Every figure of the report can be required.
+#[test]
+fn requirements_speak_of_all_measures() {
+    let text = "line L {
+        part P
+        source rack: P every exponential(10 s)
+        buffer queue capacity 3
+        station cell times 2 { takes exponential(15 s) power 1 kW failures mtbf 5 min mttr 10 s }
+        sink out
+        sink floor rejects
+        route P: rack -> queue, floor
+        route P: queue -> cell -> out
+        requirement a: throughput_on_shift >= 0 per hour
+        requirement b: lead_time_median >= 0 s
+        requirement c: lead_time_p95 >= 0 s
+        requirement d: lead_time_max >= 0 s
+        requirement e: wip >= 0
+        requirement f: wip_max >= 0
+        requirement g: energy_per_product >= 0 kWh
+        requirement h: starved(cell) >= 0 %
+        requirement i: blocked(cell) >= 0 %
+        requirement j: failed(cell) >= 0 %
+        requirement k: setup(cell) >= 0 %
+        requirement l: idle(cell) >= 0 %
+        requirement m: busy(cell) >= 0 %
+        requirement n: length(queue) >= 0
+        requirement o: length_max(queue) >= 0
+        requirement p: full(queue) >= 0 %
+        requirement q: wait(queue) >= 0 s
+        requirement r: wait_max(queue) >= 0 s
+        requirement s: lost(rack) >= 0 %
+    }";
+    let mut plant = plant_of(
+        text,
+        Options {
+            until: Some(1e5),
+            ..Options::default()
+        },
+    );
+    let trace = plant.run();
+    let values: Vec<f64> = trace
+        .requirements
+        .iter()
+        .map(|r| r.value.unwrap())
+        .collect();
+    let (queue, source) = (&trace.buffers[0], &trace.sources[0]);
+    let share = |of: fn(&linewright::line::trace::Shares) -> f64| {
+        trace.stations.iter().map(|s| of(&s.shares)).sum::<f64>() / 2.0
+    };
+    let expected = [
+        trace.throughput_per_hour,
+        trace.lead_time.p50,
+        trace.lead_time.p95,
+        trace.lead_time.max,
+        trace.wip.mean,
+        trace.wip.max as f64,
+        trace.joules / 3.6e6 / trace.products as f64,
+        share(|s| s.starved),
+        share(|s| s.blocked),
+        share(|s| s.failed),
+        share(|s| s.setup),
+        share(|s| s.idle),
+        share(|s| s.busy),
+        queue.length,
+        queue.longest as f64,
+        queue.full,
+        queue.wait,
+        queue.longest_wait,
+        source.lost,
+    ];
+    for (index, (value, expected)) in values.iter().zip(expected).enumerate() {
+        assert!(
+            (value - expected).abs() < 1e-12,
+            "{index}: {value} {expected}"
+        );
+    }
+    assert!(values[9] > 0.0 && values[18] > 0.0);
+    let table = report::table(plant.line(), &trace, None);
+    for row in [
+        "mean wait in s in queue >= 0",
+        "starved share of cell[1] to cell[2] >= 0",
+        "energy per product in kWh >= 0",
+        "95th percentile of lead time in s >= 0",
+    ] {
+        assert!(table.contains(row), "{row}\n{table}");
+    }
+}
+
+#[test]
+fn a_wait_that_nothing_had_is_not_measured() {
+    let text = "line L {
+        part P
+        source rack: P every 1 h limit 1
+        buffer queue capacity 3
+        station cell { takes 1 d }
+        sink out
+        route P: rack -> cell -> queue -> out
+        requirement brief: wait(queue) <= 1 min
+    }";
+    let (traces, _) = runs(text, 1, 60.0);
+    assert_eq!(
+        traces[0].findings[0].message,
+        "the requirement brief does not hold: the mean wait in seconds in queue was not measured, since no part left it, \
+         and should be at most 60"
+    );
+}
