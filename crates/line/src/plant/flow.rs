@@ -380,8 +380,10 @@ impl Run<'_> {
                 next = 0;
             }
         }
-        if matches!(self.places[node], Place::Conveyor(_)) {
-            self.reopen_later(node);
+        match self.places[node] {
+            Place::Conveyor(_) => self.reopen_later(node),
+            Place::Station(_) => self.begin_wait(node),
+            _ => {}
         }
     }
 

@@ -77,7 +77,9 @@ struct Setup {
     contents: Vec<u64>,
     /// By node: the first of the parallel stations that it belongs to, or the node itself.
     first_copy: Vec<u32>,
-    /// By node: for a station, where its parts come from.
+    /// By node: whether it is a station that can be down.
+    can_be_down: Vec<bool>,
+    /// By node: for a station, the stations that can be down and from which its parts come.
     suppliers: Vec<Vec<u32>>,
 }
 
@@ -231,7 +233,8 @@ impl Plant {
         let (outlets, first_outlet) = flow::outlets(&line);
         let contents = part::contents(&line);
         let first_copy = first_copies(&line);
-        let suppliers = waits::suppliers(&line);
+        let can_be_down = waits::can_be_down(&line);
+        let suppliers = waits::suppliers(&line, &can_be_down);
         Ok(Self {
             setup: Setup {
                 line,
@@ -244,6 +247,7 @@ impl Plant {
                 first_outlet,
                 contents,
                 first_copy,
+                can_be_down,
                 suppliers,
             },
             controllers: slots,
@@ -365,7 +369,6 @@ impl<'a> Run<'a> {
         }
         for node in 0..self.places.len() {
             self.schedule_failures(node);
-            self.begin_wait(node);
             self.look_at(node);
         }
         self.settle();

@@ -723,7 +723,6 @@ impl Run<'_> {
         station.part = None;
         station.overtime = false;
         station.book(now, on_shift);
-        self.begin_wait(node);
     }
 
     /// A shift of the station begins or ends. If work that has begun is finished, the station goes

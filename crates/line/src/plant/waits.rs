@@ -22,7 +22,8 @@ pub(super) struct Waits {
     interval: Option<(Activity, f64)>,
     /// While blocked: the place without room, and the station at or behind it.
     blocker: (u32, Option<u32>),
-    /// Down times at the start of the interval: of the blocking station, or of each supplier.
+    /// Down times at the start of the interval: of the blocking station, or of each supplier, if
+    /// they can be down.
     start: Vec<Down>,
     /// Seconds of the intervals since the station became starved, and the down times in them of
     /// each supplier.
@@ -123,7 +124,8 @@ impl Run<'_> {
                     return;
                 };
                 let behind = self.station_behind(place);
-                let down = behind.map(|station| self.down(station));
+                let watched = behind.filter(|station| self.setup.can_be_down[*station]);
+                let down = watched.map(|station| self.down(station));
                 let waits = &mut self.station(node).waits;
                 waits.blocker = (place as u32, behind.map(|station| station as u32));
                 waits.start.clear();
@@ -160,9 +162,9 @@ impl Run<'_> {
         }
         if activity == Activity::Blocked {
             let (place, behind) = waits.blocker;
-            let start = waits.start.first().copied().unwrap_or_default();
+            let start = waits.start.first().copied();
             let mut down = Down::default();
-            if let Some(station) = behind {
+            if let (Some(station), Some(start)) = (behind, start) {
                 down.add(self.down(station as usize), start);
             }
             let causes = &mut self.station(node).waits.blocked;
@@ -240,9 +242,21 @@ impl Run<'_> {
     }
 }
 
-/// For each node, the stations, sources and stores from which parts come to it, directly or through
-/// buffers and conveyors.
-pub(super) fn suppliers(line: &Line) -> Vec<Vec<u32>> {
+/// For each node, whether it is a station that can fail or be off shift.
+pub(super) fn can_be_down(line: &Line) -> Vec<bool> {
+    let nodes = line.nodes.iter().enumerate();
+    let can_be_down = nodes.map(|(index, node)| match &node.kind {
+        NodeKind::Station(station) => {
+            !station.failures.is_empty() || line.calendar_of(index).is_some()
+        }
+        _ => false,
+    });
+    can_be_down.collect()
+}
+
+/// For each station, the stations that can be down and from which parts come to it, directly or
+/// through buffers and conveyors. Empty for other nodes.
+pub(super) fn suppliers(line: &Line, can_be_down: &[bool]) -> Vec<Vec<u32>> {
     let passes_on = |node: usize| {
         matches!(
             line.nodes[node].kind,
@@ -258,7 +272,7 @@ pub(super) fn suppliers(line: &Line) -> Vec<Vec<u32>> {
                         seen.push(route.from);
                         open.push(route.from);
                     }
-                } else if !found.contains(&(route.from as u32)) {
+                } else if can_be_down[route.from] && !found.contains(&(route.from as u32)) {
                     found.push(route.from as u32);
                 }
             }
