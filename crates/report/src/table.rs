@@ -1,8 +1,8 @@
 //! A run as text for a terminal that is 100 columns wide.
 
 use super::JOULES_PER_KWH;
-use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
 use linewright_language::contract::line::{Comparison, Line};
+use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
 use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
