@@ -311,9 +311,11 @@ machine Press {
         let ratios: Vec<String> = speeds
             .iter()
             .filter(|(name, _)| ["SimPy", "NeXosim"].contains(name))
-            .map(|(name, speed)| format!("{:.1} times {name}", first / speed))
+            .map(|(name, speed)| format!("{:.1} times as fast as {name}", first / speed))
             .collect();
-        println!("\nStations by times make {} parts.", ratios.join(" and "));
+        if !ratios.is_empty() {
+            println!("\nStations by times are {}.", ratios.join(" and "));
+        }
         let of = |wanted: &str| of_events.iter().find(|(name, _)| *name == wanted);
         if let (Some((_, Some(five))), Some((_, Some(thousand)))) =
             (of("stations by times"), of("1000 stations by times"))
