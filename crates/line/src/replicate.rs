@@ -73,7 +73,7 @@ impl Estimate {
     }
 
     /// Estimated number of runs, in addition to the `runs` that were made, after which the interval
-    /// no longer contains `bound`, if mean and deviation stay as they are. `None` if the mean equals
+    /// no longer contains `bound`, if mean and deviation stay as they are. `None` if the mean is
     /// the bound, or if more than [`MAX_REPLICATIONS`] runs are needed. Needs an interval.
     pub(super) fn further_runs(&self, runs: u64, bound: f64) -> Option<u64> {
         let distance = (self.mean - bound).abs();

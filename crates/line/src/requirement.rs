@@ -22,7 +22,7 @@ pub enum Verdict {
     /// The bound lies in the interval.
     Undecided {
         /// Estimated number of further runs after which the interval no longer contains the bound;
-        /// `None` if the mean equals the bound or if more than [`MAX_REPLICATIONS`] runs are needed.
+        /// `None` if the mean is the bound, or if more than [`MAX_REPLICATIONS`] runs are needed.
         more: Option<u64>,
     },
 }
@@ -178,8 +178,8 @@ fn worst(requirement: &Requirement, values: &[Option<f64>]) -> usize {
 ///
 /// - A run in which nothing could be measured fails the requirement.
 /// - Contract violations are judged in each run: a rule that is violated once is violated.
-/// - A bound that no value can pass (0, or 100 % of a share) is an end of the range. If a single run
-///   is not there, neither is the mean.
+/// - A bound that no value can pass (0, or 100 % of a share) is an end of the range. If a single
+///   run is not there, neither is the mean.
 fn in_one_run(requirement: &Requirement, values: &[Option<f64>]) -> Option<Verdict> {
     let (comparison, bound) = (requirement.comparison, requirement.bound);
     let verdict = |holds: bool| {
