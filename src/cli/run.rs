@@ -1,22 +1,28 @@
 //! `linewright run`: simulates a line in the bundled runner, with controllers synthesized from its
 //! contracts.
 
+mod what_if;
+
 use super::build::default_folder;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::time;
+use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::contract::set::Setting;
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
-use crate::engine::simulation::{self, SimulationOptions};
+use crate::engine::files::LoadedFiles;
+use crate::engine::simulation::{self, Run, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
+use crate::line::comparison::compare;
 use crate::line::{Count, Options};
 use crate::report;
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use what_if::{Changes, DEFAULT_PAIRS};
 
 /// The arguments of `run`.
 #[derive(Debug, Args)]
@@ -24,6 +30,7 @@ use std::path::PathBuf;
     linewright run examples/ice-lab/line.lw --parts 50
     linewright run examples/ice-lab/line.lw --until 8h --seed 7 --replications 10
     linewright run examples/ice-lab/line.lw --parts 50 --set printer.time='40 s'
+    linewright run examples/ice-lab/line.lw --parts 50 --what-if printer=10%
 
 TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).")]
 pub struct Arguments {
@@ -47,6 +54,16 @@ pub struct Arguments {
 stood in the file. A number of a machine is set for one station only. A wrong name is answered with the names that there are"
     )]
     pub set: Vec<Setting>,
+    /// Compare with a variant under the same random seeds: `capper.takes='2 s'`, or a station that
+    /// is 10 % faster, `capper=10%`; repeatable
+    #[arg(
+        long,
+        value_name = "NAME=VALUE",
+        long_help = "Run the line, and a variant of it under the same random seeds, and print the difference of each measure with its paired 95 % \
+confidence interval. NAME=VALUE is a number as in --set, or a station and how many percent faster it works: capper=10% divides its times of work by \
+1.1, and capper=-10% by 0.9. All that are given make one variant. The default for --replications is then 10"
+    )]
+    pub what_if: Vec<Setting>,
     /// Random seed
     #[arg(
         long,
@@ -110,16 +127,148 @@ fn settings_by_name(settings: &[Setting]) -> BTreeMap<&str, &str> {
     settings.iter().map(|s| (s.name(), s.value())).collect()
 }
 
+/// The runs of a line, or of a variant of it.
+struct Simulated {
+    loaded: LoadedFiles,
+    line: Line,
+    run: Run,
+    findings: Vec<Diagnostic>,
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let settings = options.settings();
-    let loaded = match arguments
-        .selection
-        .load_with(&arguments.set, "run", options)?
-    {
-        Ok(loaded) => loaded,
+    let simulation = simulation_options(arguments, options)?;
+    let base = match simulate(arguments, &arguments.set, &simulation, options)? {
+        Ok(simulated) => simulated,
         Err(code) => return Ok(code),
+    };
+    let mut code = options.exit_code(&base.findings);
+    let compared = if arguments.what_if.is_empty() {
+        None
+    } else {
+        let changes = Changes::new(&arguments.what_if, &arguments.set, &base.line);
+        let changes = changes.map_err(anyhow::Error::msg)?;
+        let variant = SimulationOptions {
+            find_warm_up: false,
+            replications: Count::Fixed(base.run.traces.len() as u64),
+            speeds: changes.speeds,
+            ..simulation.clone()
+        };
+        let variant = SimulationOptions {
+            options: Options {
+                warm_up: base.run.traces[0].warm_up,
+                ..variant.options
+            },
+            ..variant
+        };
+        match simulate(arguments, &changes.set, &variant, options)? {
+            Ok(simulated) => {
+                code = code.and(options.exit_code(&simulated.findings));
+                let differences = compare(&base.run.traces, &simulated.run.traces);
+                Some((changes.variant, simulated, differences))
+            }
+            Err(code) => return Ok(code),
+        }
+    };
+    let set = settings_by_name(&arguments.set);
+    let Simulated {
+        loaded,
+        line,
+        run,
+        findings,
+    } = &base;
+    let sources = &loaded.library.sources;
+    let trace = &run.traces[0];
+    let is_single = simulation.replications == Count::Fixed(1);
+    let several = (!is_single).then_some(&run.replications);
+    let seconds = (!options.no_timing).then_some(run.seconds);
+    match options.format {
+        Format::Json => {
+            let mut document = report::json(line, trace, several, seconds);
+            document["findings"] = serde_json::to_value(json::findings(sources, findings))?;
+            if !set.is_empty() {
+                document["set"] = serde_json::to_value(&set)?;
+            }
+            if let Some((variant, simulated, differences)) = &compared {
+                let mut what_if = report::what_if_json(variant, differences);
+                let sources = &simulated.loaded.library.sources;
+                what_if["findings"] =
+                    serde_json::to_value(json::findings(sources, &simulated.findings))?;
+                document["what_if"] = what_if;
+            }
+            console.document(&document)?;
+        }
+        Format::Sarif => console.failed("run", sources, findings)?,
+        Format::Human | Format::Short => {
+            let mut text = report::settings(&set) + &report::table(line, trace, several);
+            if options.verbose {
+                text += &report::waits(trace);
+            }
+            if let Some((variant, _, differences)) = &compared {
+                text += &report::what_if_table(variant, differences);
+            }
+            console.result(&text)?;
+            console.findings(sources, findings)?;
+            if let Some((_, simulated, _)) = &compared
+                && !simulated.findings.is_empty()
+            {
+                console.remark("with --what-if:\n")?;
+                console.findings(&simulated.loaded.library.sources, &simulated.findings)?;
+            }
+        }
+    }
+    Ok(code)
+}
+
+/// The options of all runs.
+fn simulation_options(
+    arguments: &Arguments,
+    options: &GlobalOptions,
+) -> anyhow::Result<SimulationOptions> {
+    let count = match (arguments.precision, arguments.replications) {
+        (Some(precision), most) => Count::Until {
+            precision,
+            most: most.map_or(MOST_REPLICATIONS, u64::from),
+        },
+        (None, None) if !arguments.what_if.is_empty() => Count::Fixed(DEFAULT_PAIRS),
+        (None, count) => Count::Fixed(count.map_or(1, u64::from)),
+    };
+    if count == Count::Fixed(1) && !arguments.what_if.is_empty() {
+        anyhow::bail!("--what-if needs at least 2 replications for an interval");
+    }
+    Ok(SimulationOptions {
+        options: Options {
+            seed: arguments.seed,
+            parts: arguments.parts,
+            until: arguments.until,
+            warm_up: match arguments.warm_up {
+                Some(WarmUp::Seconds(seconds)) => seconds,
+                Some(WarmUp::Auto) | None => 0.0,
+            },
+            deadline: options.settings().limits.deadline,
+            ..Options::default()
+        },
+        find_warm_up: arguments.warm_up == Some(WarmUp::Auto),
+        replications: count,
+        speeds: BTreeMap::new(),
+        rebuild: arguments.rebuild,
+    })
+}
+
+/// Loads the line with these settings, synthesizes its controllers and runs it. Prints the findings
+/// that prevent this, and returns the exit code then.
+fn simulate(
+    arguments: &Arguments,
+    set: &[Setting],
+    simulation: &SimulationOptions,
+    options: &GlobalOptions,
+) -> anyhow::Result<Result<Simulated, ExitCode>> {
+    let console = options.console();
+    let settings = options.settings();
+    let loaded = match arguments.selection.load_with(set, "run", options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(Err(code)),
     };
     let library = &loaded.library;
     let sources = &library.sources;
@@ -145,7 +294,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             "give --parts N or --until TIME, or write for example `limit 50 products` in the line",
         );
         console.failed("run", sources, &[finding])?;
-        return Ok(ExitCode::CannotRun);
+        return Ok(Err(ExitCode::CannotRun));
     }
 
     let of_line = machines::of_line(line).into_iter().map(|m| &**m);
@@ -166,7 +315,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     if !synthesis.is_complete() || has_errors(&findings) {
         console.failed("run", sources, &findings)?;
-        return Ok(options.exit_code(&findings));
+        return Ok(Err(options.exit_code(&findings)));
     }
 
     // A line whose stations refuse parts is run nevertheless, to show how often this happens; the
@@ -175,69 +324,30 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     lines::add_call_findings(line, of_machine, &settings.limits, &mut findings);
 
     let default = default_folder(&arguments.selection.path);
-    let run_options = SimulationOptions {
-        options: Options {
-            seed: arguments.seed,
-            parts: arguments.parts,
-            until: arguments.until,
-            warm_up: match arguments.warm_up {
-                Some(WarmUp::Seconds(seconds)) => seconds,
-                Some(WarmUp::Auto) | None => 0.0,
-            },
-            deadline: settings.limits.deadline,
-            ..Options::default()
-        },
-        find_warm_up: arguments.warm_up == Some(WarmUp::Auto),
-        replications: match (arguments.precision, arguments.replications) {
-            (Some(precision), most) => Count::Until {
-                precision,
-                most: most.map_or(MOST_REPLICATIONS, u64::from),
-            },
-            (None, count) => Count::Fixed(count.map_or(1, u64::from)),
-        },
-        rebuild: arguments.rebuild,
-    };
     let folder = arguments.out.as_deref().unwrap_or(&default);
-    let simulate = if arguments.set.is_empty() {
-        simulation::simulate
+    let is_study = !arguments.set.is_empty() || !arguments.what_if.is_empty();
+    let run = if is_study {
+        simulation::simulate_in_study(line, &controlled, folder, simulation)
     } else {
-        simulation::simulate_in_study
+        simulation::simulate(line, &controlled, folder, simulation)
     };
-    let set = settings_by_name(&arguments.set);
-    match simulate(line, &controlled, folder, &run_options) {
+    match run {
         Ok(run) => {
             findings.extend(run.replications.findings.clone());
-            let trace = &run.traces[0];
-            let is_single = run_options.replications == Count::Fixed(1);
-            let several = (!is_single).then_some(&run.replications);
-            let seconds = (!options.no_timing).then_some(run.seconds);
-            match options.format {
-                Format::Json => {
-                    let mut document = report::json(line, trace, several, seconds);
-                    document["findings"] =
-                        serde_json::to_value(json::findings(sources, &findings))?;
-                    if !set.is_empty() {
-                        document["set"] = serde_json::to_value(&set)?;
-                    }
-                    console.document(&document)?;
-                }
-                Format::Sarif => console.failed("run", sources, &findings)?,
-                Format::Human | Format::Short => {
-                    let head = report::settings(&set);
-                    let waits = if options.verbose {
-                        report::waits(trace)
-                    } else {
-                        String::new()
-                    };
-                    console.result(&(head + &report::table(line, trace, several) + &waits))?;
-                    console.findings(sources, &findings)?;
-                }
-            }
+            let line = Line::clone(line);
+            drop(controlled);
+            drop(synthesis);
+            Ok(Ok(Simulated {
+                loaded,
+                line,
+                run,
+                findings,
+            }))
         }
         Err(found) => {
             findings.extend(found);
             console.failed("run", sources, &findings)?;
+            Ok(Err(options.exit_code(&findings)))
         }
     }
-    Ok(options.exit_code(&findings))
 }

@@ -38,6 +38,7 @@ fn a_machine_is_built_and_a_line_is_run() {
 
     let line = project.line("Loading").expect("it is declared");
     let how = SimulationOptions {
+        speeds: std::collections::BTreeMap::new(),
         options: Options {
             parts: Some(5),
             ..Options::default()

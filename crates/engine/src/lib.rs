@@ -32,6 +32,7 @@ pub mod play;
 pub mod project;
 pub mod prover;
 pub mod simulation;
+pub mod speed;
 pub mod statistics;
 pub mod synthesis;
 pub mod words;

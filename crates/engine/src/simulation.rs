@@ -3,6 +3,7 @@
 use crate::controlled::ControlledMachine;
 use crate::libraries;
 use crate::parametrized::{ParametrizedController, ParametrizedMachine};
+use crate::speed::{FasterController, speed_up};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::Line;
 use linewright_line::replicate::replicate;
@@ -25,6 +26,8 @@ pub struct SimulationOptions {
     pub find_warm_up: bool,
     /// Number of runs, with consecutive seeds.
     pub replications: Count,
+    /// By node: how many times as fast as in its file the station works.
+    pub speeds: BTreeMap<usize, f64>,
     /// Whether to recompile libraries that already exist.
     pub rebuild: bool,
 }
@@ -104,9 +107,18 @@ fn run(
     options: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
     let libraries = build(packaged, folder, options)?;
-    let line = Arc::new(line.clone());
+    let mut line = line.clone();
+    for (node, speed) in &options.speeds {
+        speed_up(&mut line, *node, *speed);
+    }
+    let line = Arc::new(line);
     let plant = || {
-        let controllers = instances(&line, machines, &libraries)?;
+        let mut controllers = instances(&line, machines, &libraries)?;
+        for (node, speed) in &options.speeds {
+            if let Some(controller) = controllers.remove(node) {
+                controllers.insert(*node, Box::new(FasterController::new(controller, *speed)));
+            }
+        }
         Plant::new(Arc::clone(&line), controllers, options.options)
     };
     let start = Instant::now();

@@ -59,6 +59,7 @@ pub mod abstraction;
 mod bottleneck;
 pub mod calendar;
 pub mod calls;
+pub mod comparison;
 pub mod metric;
 pub mod mser;
 mod plant;

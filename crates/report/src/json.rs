@@ -300,7 +300,7 @@ fn replicated(replications: &Replications) -> Value {
 }
 
 /// Returns an estimate with its confidence interval; `None` if nothing was measured.
-fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
+pub(super) fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
     let estimate = estimate?;
     Some(json!({
         "mean": round(estimate.mean, places),
@@ -333,7 +333,7 @@ fn kwh(joules: f64) -> f64 {
 }
 
 /// Rounds to `places` decimal places; never returns minus zero.
-fn round(value: f64, places: i32) -> f64 {
+pub(super) fn round(value: f64, places: i32) -> f64 {
     let scale = 10_f64.powi(places);
     let rounded = (value * scale).round() / scale;
     if rounded.is_finite() {

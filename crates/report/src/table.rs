@@ -489,7 +489,7 @@ fn replicated(out: &mut String, replications: &Replications) {
 }
 
 /// Returns a mean and the ends of its confidence interval; `-` for each that does not exist.
-fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
+pub(super) fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
     let half = estimate.and_then(|e| e.half_width);
     let bound = |sign: f64| Some(estimate?.mean + sign * half?);
     [estimate.map(|e| e.mean), bound(-1.0), bound(1.0)].map(|value| measured(value, places))
@@ -557,7 +557,7 @@ const TEXT_COLUMNS: [&str; 5] = ["machine", "verdict", "required", "waits", "for
 
 /// Writes a blank line and a table; nothing if there are no rows. Long texts are cut only if the
 /// rows would otherwise be wider than the terminal.
-fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
+pub(super) fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     if rows.is_empty() {
         return;
     }

@@ -64,3 +64,87 @@ fn near_the_bound_nothing_is_decided() {
         ),
     }
 }
+
+/// A station that is 10 % faster: the same as its time divided by 1.1, and the difference of the
+/// lead times is far from noise although the intervals of the two overlap.
+#[test]
+fn a_variant_is_compared_under_the_same_seeds() {
+    let session = session();
+    let what_if = |change: &str| -> Value {
+        let line = format!("run md1.lw --until 3000 --format json --what-if {change}");
+        let printed = session.run(&line);
+        assert!(printed.code != 2, "{}{}", printed.out, printed.err);
+        serde_json::from_str(&printed.out).expect("JSON")
+    };
+    let document = what_if("cell=10%");
+    assert_eq!(document["what_if"]["speeds"]["cell"], 1.1);
+    assert_eq!(document["replications"]["count"], 10);
+    let measures = document["what_if"]["measures"]
+        .as_array()
+        .expect("measures");
+    let of = |name: &str| {
+        measures
+            .iter()
+            .find(|m| m["name"] == name)
+            .expect("it is there")
+    };
+    let lead_time = of("lead_time");
+    assert_eq!(lead_time["more_than_noise"], true, "{lead_time}");
+    let difference = &lead_time["difference"];
+    assert!(difference["high"].as_f64() < Some(0.0), "{difference}");
+    let replications = &document["replications"]["lead_time_seconds"];
+    let width =
+        |interval: &Value| interval["high"].as_f64().unwrap() - interval["low"].as_f64().unwrap();
+    assert!(width(difference) < width(replications), "{document}");
+    // 0.8 s / 1.1; and the other direction, 0.8 s / 0.9.
+    let by_time = what_if("cell.takes=0.7272727272727273s");
+    assert_eq!(
+        by_time["what_if"]["measures"],
+        document["what_if"]["measures"]
+    );
+    assert_eq!(
+        by_time["what_if"]["set"]["cell.takes"],
+        "0.7272727272727273s"
+    );
+    let slower = what_if("cell=-10%");
+    assert_eq!(slower["what_if"]["speeds"]["cell"], 0.9);
+    assert!(slower["what_if"]["measures"][1]["difference"]["low"].as_f64() > Some(0.0));
+}
+
+/// What does not change anything has differences of 0, and mistakes are answered.
+#[test]
+fn variants_in_words() {
+    let session = session();
+    let same = session.run("run md1.lw --until 1000 --replications 3 --what-if cell=0%");
+    let text = &same.out;
+    assert!(
+        text.contains("what if      cell works 0 % faster (its times are divided by 1)"),
+        "{text}"
+    );
+    assert!(text.contains("same seeds, 3 pairs"), "{text}");
+    let rows = text.lines().filter(|l| l.contains("mean lead time in s "));
+    let row: Vec<&str> = rows.last().expect("a row").split_whitespace().collect();
+    assert_eq!(row[row.len() - 4..], ["0.000", "0.000", "0.000", "no"]);
+    let refused = session.run("run md1.lw --until 1000 --what-if cell=-100%");
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused
+            .err
+            .contains("by how many percent the station is faster"),
+        "{}",
+        refused.err
+    );
+    let single = session.run("run md1.lw --until 1000 --replications 1 --what-if cell=5%");
+    assert_eq!(single.code, 2);
+    assert!(
+        single.err.contains("at least 2 replications"),
+        "{}",
+        single.err
+    );
+    let unknown = session.run("run md1.lw --until 1000 --what-if cel.takes=1s");
+    assert!(
+        unknown.err.contains("did you mean `cell`"),
+        "{}",
+        unknown.err
+    );
+}

@@ -1,0 +1,93 @@
+//! A line and a variant of it, as text and as a part of the JSON document of a run.
+
+use super::json::{estimate, round};
+use super::table::{columns, interval};
+use linewright_line::comparison::Comparison;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// What differs in the variant.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Variant {
+    /// Numbers that are set, by name.
+    pub set: BTreeMap<String, String>,
+    /// Stations that work faster: 1.1 for 10 % faster, less than 1 for slower.
+    pub speeds: BTreeMap<String, f64>,
+}
+
+/// Returns the changes and the differences as text that ends with a line break.
+pub fn what_if_table(variant: &Variant, comparisons: &[Comparison]) -> String {
+    let mut out = String::from("\n");
+    for (name, value) in &variant.set {
+        let _ = writeln!(out, "  {:<12} {name} = {value}", "what if");
+    }
+    for (name, speed) in &variant.speeds {
+        let percent = ((speed - 1.0).abs() * 1e4).round() / 100.0;
+        let word = if *speed < 1.0 { "slower" } else { "faster" };
+        let _ = writeln!(
+            out,
+            "  {:<12} {name} works {percent} % {word} (its times are divided by {})",
+            "what if",
+            round(*speed, 4)
+        );
+    }
+    let rows: Vec<Vec<String>> = comparisons.iter().map(row).collect();
+    let pairs = comparisons.iter().map(|c| c.pairs).max().unwrap_or(0);
+    let title = format!("same seeds, {pairs} pairs");
+    columns(
+        &mut out,
+        &[
+            &title,
+            "as it is",
+            "what if",
+            "difference",
+            "from",
+            "to",
+            "more than noise",
+        ],
+        &rows,
+    );
+    out
+}
+
+fn row(comparison: &Comparison) -> Vec<String> {
+    let [difference, from, to] = interval(Some(comparison.difference), 3);
+    let significant = match comparison.is_significant() {
+        Some(true) => "yes",
+        Some(false) => "no",
+        None => "-",
+    };
+    vec![
+        comparison.measure.info().label.to_owned(),
+        format!("{:.3}", comparison.as_it_is),
+        format!("{:.3}", comparison.what_if),
+        difference,
+        from,
+        to,
+        significant.to_owned(),
+    ]
+}
+
+/// Returns the `what_if` object of the document of a run.
+pub fn what_if_json(variant: &Variant, comparisons: &[Comparison]) -> Value {
+    let measures: Vec<Value> = comparisons
+        .iter()
+        .map(|c| {
+            json!({
+                "name": c.measure.info().name,
+                "pairs": c.pairs,
+                "as_it_is": round(c.as_it_is, 9),
+                "what_if": round(c.what_if, 9),
+                "difference": estimate(Some(c.difference), 9),
+                "more_than_noise": c.is_significant(),
+            })
+        })
+        .collect();
+    json!({
+        "set": variant.set,
+        "speeds": variant.speeds,
+        "confidence": 0.95,
+        "measures": measures,
+    })
+}

@@ -1,0 +1,63 @@
+//! `run --what-if NAME=VALUE`: what differs in a variant of the line.
+
+use crate::contract::line::Line;
+use crate::contract::set::Setting;
+use crate::engine::speed;
+use crate::report::Variant;
+use std::collections::BTreeMap;
+
+/// Number of pairs of runs if `--replications` does not say it.
+pub const DEFAULT_PAIRS: u64 = 10;
+
+/// What differs in a variant of a line.
+#[derive(Debug, Default)]
+pub struct Changes {
+    /// Numbers of the variant: those of `--set` that stay, and those of `--what-if`.
+    pub set: Vec<Setting>,
+    /// The variant in words.
+    pub variant: Variant,
+    /// By node: how many times as fast the station works.
+    pub speeds: BTreeMap<usize, f64>,
+}
+
+impl Changes {
+    /// Reads the options. `NAME=10%` with the name of a station makes it 10 % faster; everything
+    /// else is set as by `--set`, and replaces a number that `--set` has set by the same name.
+    ///
+    /// # Errors
+    /// Returns a message if a percentage is not greater than -100 %, or if a station has two.
+    pub fn new(what_if: &[Setting], set: &[Setting], line: &Line) -> Result<Self, String> {
+        let mut changes = Self::default();
+        let mut numbers = Vec::new();
+        for change in what_if {
+            let (name, value) = (change.name(), change.value());
+            let stations = speed::stations_named(line, name);
+            let Some(percent) = value.strip_suffix('%').filter(|_| !stations.is_empty()) else {
+                changes
+                    .variant
+                    .set
+                    .insert(name.to_owned(), value.to_owned());
+                numbers.push(change.clone());
+                continue;
+            };
+            let speed = percent.trim().parse::<f64>().ok().map(|p| 1.0 + p / 100.0);
+            let speed = speed
+                .filter(|speed| (1e-3..=1e3).contains(speed))
+                .ok_or_else(|| {
+                    format!(
+                        "`{name}={value}`: write by how many percent the station is faster, such as `{name}=10%`, or slower, such as `{name}=-10%`"
+                    )
+                })?;
+            for node in stations {
+                if changes.speeds.insert(node, speed).is_some() {
+                    return Err(format!("the speed of `{name}` is changed twice"));
+                }
+            }
+            changes.variant.speeds.insert(name.to_owned(), speed);
+        }
+        let stays = |setting: &&Setting| !changes.variant.set.contains_key(setting.name());
+        changes.set = set.iter().filter(stays).cloned().collect();
+        changes.set.extend(numbers);
+        Ok(changes)
+    }
+}
