@@ -143,7 +143,7 @@ fn variants_in_words() {
     );
     let unknown = session.run("run md1.lw --until 1000 --what-if cel.takes=1s");
     assert!(
-        unknown.err.contains("did you mean `cell`"),
+        unknown.err.contains("did you mean `cell.takes`"),
         "{}",
         unknown.err
     );
