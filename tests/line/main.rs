@@ -4,7 +4,6 @@ mod attack;
 mod calls;
 mod choices;
 mod distributions;
-mod losses;
 mod models;
 #[path = "../algebra/discharge/mutants.rs"]
 mod mutants;

@@ -11,6 +11,7 @@ mod ends;
 mod equipment;
 mod failures;
 mod flow;
+mod losses;
 
 mod reports;
 mod requirements;

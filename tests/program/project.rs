@@ -95,6 +95,7 @@ fn control_takes_the_time_that_the_machine_declares() {
         },
         find_warm_up: false,
         replications: Count::Fixed(1),
+        speeds: std::collections::BTreeMap::new(),
         rebuild: false,
     };
     for (step, control) in [("step 1 s", 2.0), ("step 0 s", 0.0)] {

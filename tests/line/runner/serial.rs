@@ -183,24 +183,25 @@ fn departures_of_drawn_times_equal_the_recursion() {
     for seed in 1..=200 {
         let mut random = Stream::from_seed(seed);
         let count = 2 + random.below(7) as usize;
-        let (mut places, mut way) = (String::new(), "source".to_owned());
+        let (mut places, mut way) = (Vec::new(), vec!["source".to_owned()]);
         let (mut services, mut buffers) = (Vec::new(), Vec::new());
         for i in 0..count {
             let (text, time) = distribution(&mut random);
-            places += &format!("station s{i} {{ takes {text} }}\n");
-            way += &format!(" -> s{i}");
+            places.push(format!("station s{i} {{ takes {text} }}"));
+            way.push(format!("s{i}"));
             let stream = Stream::new(seed, Purpose::Service, &format!("s{i}.P"));
             let mut sampler = Sampler::new(&time, stream);
             services.push((0..PARTS).map(|_| sampler.draw()).collect());
             if i + 1 < count {
                 let capacity = random.below(6) as usize;
                 if capacity > 0 {
-                    places += &format!("buffer b{i} capacity {capacity}\n");
-                    way += &format!(" -> b{i}");
+                    places.push(format!("buffer b{i} capacity {capacity}"));
+                    way.push(format!("b{i}"));
                 }
                 buffers.push(capacity);
             }
         }
+        let (places, way) = (places.join(" "), way.join(" -> "));
         let text = format!(
             "line L {{ part P source source: P every 0 s {places} sink k route P: {way} -> k }}"
         );
@@ -212,7 +213,7 @@ fn departures_of_drawn_times_equal_the_recursion() {
         };
         let mut plant = plant_of(&text, options);
         let nodes = plant.line().nodes.iter().enumerate();
-        let stations = nodes.filter(|(_, node)| node.name.starts_with("s"));
+        let stations = nodes.filter(|(_, node)| node.name.starts_with('s'));
         let stations: Vec<usize> = stations
             .filter(|(_, node)| node.name != "source")
             .map(|(index, _)| index)

@@ -278,7 +278,11 @@ impl Generator {
             0 if count > 1 => (" shortest queue".to_owned(), json!("shortest")),
             1 if count > 1 => (" round robin".to_owned(), json!("robin")),
             2 | 3 if count > 1 && is_single => {
-                shares = [vec![], vec![], vec![0.25, 0.75], vec![0.5, 0.2, 0.3]][count].clone();
+                shares = if count == 2 {
+                    vec![0.25, 0.75]
+                } else {
+                    vec![0.5, 0.2, 0.3]
+                };
                 let text: Vec<String> = shares.iter().map(f64::to_string).collect();
                 (
                     format!(" by probability {}", text.join(", ")),
@@ -410,19 +414,16 @@ impl Generator {
                 })
                 .collect();
             let by = ["work", "calendar", "parts"][self.chance.below(3)];
-            let (between, betweens) = match by {
-                "parts" => {
-                    let every = 1 + self.chance.below(6);
-                    (
-                        format!("every {every} parts"),
-                        vec![json!(every); places.len()],
-                    )
-                }
-                _ => {
-                    let (between, betweens) = self.times(15.0, Purpose::Failures, &streams);
-                    // A bare time is the mean of an exponential distribution.
-                    (format!("mtbf {}", self.drawn(&between)), betweens)
-                }
+            let (between, betweens) = if by == "parts" {
+                let every = 1 + self.chance.below(6);
+                (
+                    format!("every {every} parts"),
+                    vec![json!(every); places.len()],
+                )
+            } else {
+                let (between, betweens) = self.times(15.0, Purpose::Failures, &streams);
+                // A bare time is the mean of an exponential distribution.
+                (format!("mtbf {}", self.drawn(&between)), betweens)
             };
             let (repair, repairs) = self.times(3.0, Purpose::Repairs, &streams);
             let restarts = by != "parts" && self.chance.percent(40);
@@ -607,9 +608,10 @@ impl Generator {
         let mut path: Vec<&Stage> = Vec::new();
         let own = self.types.iter().position(|t| t == kind).unwrap_or(0);
         for (index, stage) in stages.iter().enumerate() {
-            let is_due = match self.apart {
-                true => index % self.types.len() == own,
-                false => index == 0 || index + 1 == stages.len() || self.chance.percent(85),
+            let is_due = if self.apart {
+                index % self.types.len() == own
+            } else {
+                index == 0 || index + 1 == stages.len() || self.chance.percent(85)
             };
             if is_due {
                 path.push(stage);

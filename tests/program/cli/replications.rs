@@ -122,8 +122,12 @@ fn variants_in_words() {
         "{text}"
     );
     assert!(text.contains("same seeds, 3 pairs"), "{text}");
-    let rows = text.lines().filter(|l| l.contains("mean lead time in s "));
-    let row: Vec<&str> = rows.last().expect("a row").split_whitespace().collect();
+    let mut rows = text.lines().filter(|l| l.contains("mean lead time in s "));
+    let row: Vec<&str> = rows
+        .next_back()
+        .expect("a row")
+        .split_whitespace()
+        .collect();
     assert_eq!(row[row.len() - 4..], ["0.000", "0.000", "0.000", "no"]);
     let refused = session.run("run md1.lw --until 1000 --what-if cell=-100%");
     assert_eq!(refused.code, 2);
