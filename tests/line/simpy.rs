@@ -1,7 +1,7 @@
 //! Random lines in the runner and in a second simulator, `oracle/simulate.py`, in Python on the
-//! calendar of `SimPy`. It shares no code with the runner, and reads the lines from a description of
-//! its own, not from what was resolved. It was written with the runner's rule of ties in view, so
-//! it cannot find a fault in that rule, only in the runner that does not keep to it.
+//! calendar of `SimPy`. It shares no code with the runner, and reads the lines from a description
+//! of its own, not from what was resolved. It was written with the runner's rule of ties in view,
+//! so it cannot find a fault in that rule, only in the runner that does not keep to it.
 //!
 //! # What is compared
 //!

@@ -329,16 +329,16 @@ pub struct MachineStatistics {
     pub joules: f64,
 }
 
-/// Parts that left the line good at the first pass, and as scrap. Parts of all types count that
-/// finished, or that were rejected after a station had worked on them.
+/// Parts that left the line good at the first pass, and as scrap: those that finished, and those
+/// that were rejected after a station had worked on them. A joined part counts as the single parts
+/// in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Yields {
-    /// Number of parts that finished.
+    /// Number of single parts that finished.
     pub finished: u64,
-    /// Number of `finished` parts on which no station worked twice, and in which no joined part
-    /// was like that.
+    /// Number of `finished` parts on which no station worked twice.
     pub first_pass: u64,
-    /// Number of parts that were rejected after a station had worked on them.
+    /// Number of single parts that were rejected after a station had worked on them.
     pub scrapped: u64,
 }
 

@@ -181,8 +181,8 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     }
 }
 
-/// The number of products, with the name of the type or the number of each type: `120 (80 Bottle, 40
-/// Can)`.
+/// The number of products, with the name of the type or the number of each type:
+/// `120 (80 Bottle, 40 Can)`.
 fn counted_products(line: &Line, trace: &Trace) -> String {
     let total = trace.products;
     let name = |part: usize| line.parts.get(part).map_or("product", |p| &p.name);

@@ -230,8 +230,8 @@ pub enum Supply {
     },
     /// Parts are made on order. There is one order for each end product of the run's limit
     /// (unlimited if only a time is given, or if the line has several end products), and one for
-    /// each part that a sink reorders. An order is for as many parts as one product (or the rejected
-    /// part) contains, but for at least one part.
+    /// each part that a sink reorders. An order is for as many parts as one product (or the
+    /// rejected part) contains, but for at least one part.
     OnOrder,
 }
 

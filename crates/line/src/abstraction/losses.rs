@@ -2,8 +2,8 @@
 //!
 //! Times are left out of the abstraction, so a part that is scrapped at some time is a part that
 //! goes to a sink of its own. Such a sink always has room, so it makes no difference that the part
-//! goes there only when its work ends. A part that expires while it waits to leave its buffer counts
-//! as one that becomes ready only then.
+//! goes there only when its work ends. A part that expires while it waits to leave its buffer
+//! counts as one that becomes ready only then.
 
 use linewright_language::contract::line::{Line, Node, NodeKind, Route};
 use linewright_language::contract::machine::RealExpr;
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 const SCRAP: &str = "scrap";
 
 /// The line with a sink, and ways to it, for the parts that each place can lose. Whether a part
-/// takes such a way is left open; see [`is_loss`].
+/// takes such a way is left open.
 pub fn with_losses(line: &Line) -> Cow<'_, Line> {
     let losing: Vec<usize> = (0..line.nodes.len())
         .filter(|node| line.can_lose_parts(*node))

@@ -1,9 +1,10 @@
 //! Determines how long the stations of a line work, and whether parts can keep moving at one
 //! instant.
 //!
-//! Moving, waiting in a buffer without a dwell time or in a store, and work shorter than [`MIN_SECONDS`] take no time. The
-//! graph distinguishes the values of parts, so that a part that goes round three times and then
-//! leaves is not a cycle. Parts can move for ever at one instant if there is
+//! Moving, waiting in a buffer without a dwell time or in a store, and work shorter than
+//! [`MIN_SECONDS`] take no time. The graph distinguishes the values of parts, so that a part that
+//! goes round three times and then leaves is not a cycle. Parts can move for ever at one instant if
+//! there is
 //!
 //! - a cycle of edges that take no time, or
 //! - a path of such edges from a source that always has another part to a sink or a store, since

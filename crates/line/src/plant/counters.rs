@@ -29,6 +29,8 @@ pub(super) struct Counters {
     pub finished: u64,
     /// Number of `finished` parts that no station worked on twice.
     pub first_pass: u64,
+    /// Number of single parts in the parts that have left the line as finished.
+    pub finished_single: u64,
     /// Number of parts that were rejected after a station had worked on them.
     pub scrapped: u64,
     /// Number of parts that were joined to others.
@@ -63,6 +65,7 @@ impl Counters {
             entered: 0,
             finished: 0,
             first_pass: 0,
+            finished_single: 0,
             scrapped: 0,
             consumed: 0,
             before: 0,

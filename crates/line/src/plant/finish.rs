@@ -154,7 +154,7 @@ impl Run<'_> {
             conveyors,
             buffers,
             yields: Yields {
-                finished: self.counters.finished,
+                finished: self.counters.finished_single,
                 first_pass: self.counters.first_pass,
                 scrapped: self.counters.scrapped,
             },

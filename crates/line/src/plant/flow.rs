@@ -500,7 +500,9 @@ impl Run<'_> {
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;
-        self.counters.first_pass += u64::from(!self.parts[part].reworked);
+        let single = self.setup.single_parts(self.parts[part].kind);
+        self.counters.finished_single += single;
+        self.counters.first_pass += single - self.parts[part].reworked(single).min(single);
         self.count_out(self.parts[part].kind);
         if self.line.is_product(self.parts[part].kind) {
             let stored = matches!(self.places[node], Place::Store(_));
@@ -533,7 +535,7 @@ impl Run<'_> {
     /// Removes a part from the line as scrap for which no finished work is to blame, and orders its
     /// replacement.
     pub(super) fn scrap(&mut self, node: usize, part: PartIndex) {
-        self.counters.scrapped += 1;
+        self.counters.scrapped += self.setup.single_parts(self.parts[part].kind);
         let replacement = self.replacement(self.parts[part].kind);
         self.discard(node, part, replacement);
     }
@@ -559,7 +561,7 @@ impl Run<'_> {
     fn charge_scrap(&mut self, part: PartIndex) {
         let part = &self.parts[part];
         if let Some(station) = part.defect_at.or(part.worked_at) {
-            self.counters.scrapped += 1;
+            self.counters.scrapped += self.setup.single_parts(part.kind);
             self.station(station as usize).scrapped += 1;
         }
     }

@@ -20,8 +20,10 @@ pub(super) struct Part {
     pub entered_at: f64,
     /// Time at which the part itself entered the line: for a joined part, the time of the joining.
     pub since: f64,
-    /// Whether a station has begun to work on it, or on a part in it, for the second time.
-    pub reworked: bool,
+    /// Whether a station has begun to work on it for the second time.
+    reworked: bool,
+    /// Number of single parts in it on which a station had worked twice before they were joined.
+    pub reworked_inside: u64,
     /// The station, source or store that it has left last.
     pub came_from: Option<u32>,
     /// The station whose work on it ended last.
@@ -44,6 +46,15 @@ impl Part {
         }
         self.reworked |= self.visits[word] & bit != 0;
         self.visits[word] |= bit;
+    }
+
+    /// Number of single parts in it on which a station has worked twice, of `single` in all.
+    pub(super) fn reworked(&self, single: u64) -> u64 {
+        if self.reworked {
+            single
+        } else {
+            self.reworked_inside
+        }
     }
 }
 
@@ -90,6 +101,7 @@ impl Parts {
             entered_at: 0.0,
             since: 0.0,
             reworked: false,
+            reworked_inside: 0,
             came_from: None,
             worked_at: None,
             defect_at: None,

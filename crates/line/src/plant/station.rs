@@ -422,7 +422,11 @@ impl Run<'_> {
         let entered_at = components()
             .map(|component| self.parts[component].entered_at)
             .fold(self.now, f64::min);
-        let reworked = components().any(|component| self.parts[component].reworked);
+        let reworked = components().map(|component| {
+            let component = &self.parts[component];
+            component.reworked(self.setup.single_parts(component.kind))
+        });
+        let reworked = reworked.sum();
         for component in components() {
             self.record(node, Some(component), EventKind::Consumed);
             self.leave_line(component);
@@ -430,7 +434,7 @@ impl Run<'_> {
         }
         self.parts[part].entered_at = entered_at;
         self.parts[part].entered = true;
-        self.parts[part].reworked = reworked;
+        self.parts[part].reworked_inside = reworked;
         self.parts[part].since = self.now;
         self.counters.unit_enters(self.now);
         // The components are still counted as in the line, because the new part contains them.

@@ -54,8 +54,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Resolves the shelf life of parts in a buffer, in seconds. It must be longer than the shortest
-    /// dwell time; otherwise every part would expire.
+    /// Resolves the shelf life of parts in a buffer, in seconds. It must be longer than the
+    /// shortest dwell time; otherwise every part would expire.
     pub(super) fn shelf_life(
         &mut self,
         written: &'a ast::Expr,
