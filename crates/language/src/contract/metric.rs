@@ -130,7 +130,7 @@ impl MeasureUnit {
         }
     }
 
-    /// Base units of [`MeasureUnit::dimension`] in one of this unit.
+    /// Base units of the dimension in one of this unit.
     pub fn in_base_units(self) -> f64 {
         match self {
             Self::KilowattHours => 3.6e6,
