@@ -380,7 +380,7 @@ static int32_t lw_serve(lw_slot *slot, int32_t operation, const double *properti
 {
     double after[LW_PROPERTIES + 1];
     lw_service service;
-    double control;
+    double control = 0.0;
     lw_state state;
     int32_t code;
     lw_load_state(slot, &state);
