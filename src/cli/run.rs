@@ -252,6 +252,7 @@ fn simulation_options(
         find_warm_up: arguments.warm_up == Some(WarmUp::Auto),
         replications: count,
         speeds: BTreeMap::new(),
+        is_study: !arguments.set.is_empty() || !arguments.what_if.is_empty(),
         rebuild: arguments.rebuild,
     })
 }
@@ -325,13 +326,7 @@ fn simulate(
 
     let default = default_folder(&arguments.selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
-    let is_study = !arguments.set.is_empty() || !arguments.what_if.is_empty();
-    let run = if is_study {
-        simulation::simulate_in_study(line, &controlled, folder, simulation)
-    } else {
-        simulation::simulate(line, &controlled, folder, simulation)
-    };
-    match run {
+    match simulation::simulate(line, &controlled, folder, simulation) {
         Ok(run) => {
             findings.extend(run.replications.findings.clone());
             let line = Line::clone(line);

@@ -39,6 +39,7 @@ fn a_machine_is_built_and_a_line_is_run() {
     let line = project.line("Loading").expect("it is declared");
     let how = SimulationOptions {
         speeds: std::collections::BTreeMap::new(),
+        is_study: false,
         options: Options {
             parts: Some(5),
             ..Options::default()
@@ -96,6 +97,7 @@ fn control_takes_the_time_that_the_machine_declares() {
         find_warm_up: false,
         replications: Count::Fixed(1),
         speeds: std::collections::BTreeMap::new(),
+        is_study: false,
         rebuild: false,
     };
     for (step, control) in [("step 1 s", 2.0), ("step 0 s", 0.0)] {

@@ -28,6 +28,9 @@ pub struct SimulationOptions {
     pub replications: Count,
     /// By node: how many times as fast as in its file the station works.
     pub speeds: BTreeMap<usize, f64>,
+    /// Whether other times and powers of actions will be tried. If so, the libraries do not contain
+    /// them, so that all runs use the same libraries. The results are the same.
+    pub is_study: bool,
     /// Whether to recompile libraries that already exist.
     pub rebuild: bool,
 }
@@ -53,23 +56,16 @@ pub fn simulate(
     folder: &Path,
     options: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
-    let packaged = machines.par_iter().map(Packaged::whole).collect();
-    run(line, machines, packaged, folder, options)
-}
-
-/// Like [`simulate`], for a run of a study: the libraries do not contain the times and powers of
-/// actions, so that runs with other times use the same libraries. The results are the same.
-///
-/// # Errors
-/// As [`simulate`].
-pub fn simulate_in_study(
-    line: &Line,
-    machines: &[ControlledMachine<'_>],
-    folder: &Path,
-    options: &SimulationOptions,
-) -> Result<Run, Vec<Diagnostic>> {
-    let packaged = machines.par_iter().map(Packaged::parametrized).collect();
-    run(line, machines, packaged, folder, options)
+    let packaged = |machine: &ControlledMachine<'_>| {
+        if options.is_study {
+            Packaged::parametrized(machine)
+        } else {
+            Packaged::whole(machine)
+        }
+    };
+    let packaged = machines.par_iter().map(packaged).collect();
+    let libraries = build(packaged, folder, options)?;
+    run(line, machines, &libraries, options)
 }
 
 /// The library of a machine, and the values of the parameters that only the library has.
@@ -102,18 +98,16 @@ impl Packaged {
 fn run(
     line: &Line,
     machines: &[ControlledMachine<'_>],
-    packaged: Vec<Packaged>,
-    folder: &Path,
+    libraries: &[LoadedLibrary],
     options: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
-    let libraries = build(packaged, folder, options)?;
     let mut line = line.clone();
     for (node, speed) in &options.speeds {
         speed_up(&mut line, *node, *speed);
     }
     let line = Arc::new(line);
     let plant = || {
-        let mut controllers = instances(&line, machines, &libraries)?;
+        let mut controllers = instances(&line, machines, libraries)?;
         for (node, speed) in &options.speeds {
             if let Some(controller) = controllers.remove(node) {
                 controllers.insert(*node, Box::new(FasterController::new(controller, *speed)));

@@ -1,7 +1,7 @@
 //! Stations that work faster or slower than their file says, for `run --what-if capper=10%`.
 
 use linewright_language::contract::distribution::Distribution;
-use linewright_language::contract::line::{Line, NodeKind};
+use linewright_language::contract::line::{Line, NodeKind, declared_name};
 use linewright_station::{CallError, Controller, Service};
 
 /// Divides the durations of a distribution by `speed`, which is greater than 0.
@@ -64,10 +64,7 @@ pub fn faster(distribution: &Distribution, speed: f64) -> Distribution {
 
 /// The stations of a line that `name` stands for: the station itself, or all of `times n`.
 pub fn stations_named(line: &Line, name: &str) -> Vec<usize> {
-    let is_named = |node: &str| {
-        node.strip_prefix(name)
-            .is_some_and(|rest| rest.is_empty() || rest.starts_with('['))
-    };
+    let is_named = |node: &str| node == name || declared_name(node) == name;
     let nodes = line.nodes.iter().enumerate();
     nodes
         .filter(|(_, node)| matches!(node.kind, NodeKind::Station(_)) && is_named(&node.name))

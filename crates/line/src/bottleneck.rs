@@ -5,6 +5,7 @@
 //! setup and repair. If stations are nearly equal in this, one run cannot decide between them.
 
 use crate::trace::{SourceStatistics, StationStatistics};
+use linewright_language::contract::line::declared_name;
 
 /// What limits the throughput of a line.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,22 +82,19 @@ impl Bottleneck {
     }
 }
 
-/// The stations; those with a number in brackets as one.
+/// The stations; those of one declaration as one.
 fn candidates(stations: &[StationStatistics]) -> Vec<Candidate> {
-    let base = |station: &StationStatistics| {
-        let name = station.name.split('[').next();
-        name.unwrap_or_default().to_owned()
-    };
     let mut found = Vec::new();
     let mut rest = stations;
     while let Some(first) = rest.first() {
-        let name = base(first);
-        let count = rest.iter().take_while(|s| base(s) == name).count();
+        let name = declared_name(&first.name);
+        let alike = |s: &&StationStatistics| declared_name(&s.name) == name;
+        let count = rest.iter().take_while(alike).count();
         let (alike, others) = rest.split_at(count);
         let sum: f64 = alike.iter().map(|s| s.shares.engaged()).sum();
         let on_shift: f64 = alike.iter().map(|s| 1.0 - s.shares.idle).sum();
         found.push(Candidate {
-            name,
+            name: name.to_owned(),
             engaged: sum / count as f64,
             engaged_on_shift: if on_shift > 0.0 { sum / on_shift } else { 0.0 },
         });

@@ -3,7 +3,8 @@
 use super::trace::{BufferStatistics, Shares, StationStatistics, Trace};
 use linewright_language::contract::metric::{Measure, Metric, PlaceKind};
 
-const JOULES_PER_KWH: f64 = 3.6e6;
+/// Joules in a kilowatt hour.
+pub const JOULES_PER_KWH: f64 = 3.6e6;
 
 /// Value of a metric in a run, in its unit; `None` if there was nothing to measure, such as the
 /// lead time in a run without products. Of several places it is the mean over those that have a

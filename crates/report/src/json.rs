@@ -3,8 +3,8 @@
 //! Seconds and rates have six decimal places, energies nine. Shares have six decimal places and are
 //! rounded so that they still sum to 1.
 
-use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
+use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{
     End, LeadTime, Oee, Shares, SourceStatistics, StationStatistics, WaitKind, WorkTime,
 };

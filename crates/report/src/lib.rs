@@ -11,5 +11,3 @@ mod what_if;
 pub use json::{RUN_SCHEMA, json};
 pub use table::{settings, table, waits};
 pub use what_if::{Variant, what_if_json, what_if_table};
-
-const JOULES_PER_KWH: f64 = 3.6e6;

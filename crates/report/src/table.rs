@@ -1,7 +1,7 @@
 //! A run as text for a terminal that is 100 columns wide.
 
-use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line};
+use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
 use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
 use std::borrow::Cow;
@@ -511,10 +511,17 @@ fn kwh(joules: f64) -> String {
 
 fn bottleneck(bottleneck: &Bottleneck) -> String {
     let engaged = |station: &Candidate| {
+        // They differ if the station is off shift for a while.
+        let on_shift = (station.engaged_on_shift - station.engaged).abs() > 1e-9;
         format!(
-            "{} (busy, set up or failed {:.1} % of the time)",
+            "{} (busy, set up or failed {:.1} % of {})",
             station.name,
-            station.engaged * 100.0
+            station.engaged_on_shift * 100.0,
+            if on_shift {
+                "its time on shift"
+            } else {
+                "the time"
+            }
         )
     };
     match bottleneck {

@@ -46,6 +46,9 @@ fn a_failure_scraps_the_part_in_work() {
     // Four parts, 3 s of the one that was scrapped, and 2 s of the last one.
     assert_eq!(trace.stations[0].busy_seconds, 45.0);
     assert_eq!(trace.stations[0].joules, 4500.0);
+    // The part that was scrapped counts as made.
+    assert_eq!(trace.stations[0].scrapped, 1);
+    assert_eq!(trace.stations[0].oee.map(|oee| oee.quality), Some(0.8));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use super::calendar::WorkCalendar;
 use super::distribution::Distribution;
-use super::machine::{FailureMode, InterruptedWork, Machine, RealExpr};
+use super::machine::{FailureMode, Machine, RealExpr};
 pub use super::metric::{Measure, Metric};
 use linewright_core::gr1::describe_domain;
 use linewright_core::source::Span;
@@ -116,6 +116,12 @@ pub struct Node {
     pub kind: NodeKind,
     /// Source position of the declaration.
     pub span: Span,
+}
+
+/// Returns the name that the file gives to a place: `capper` for `capper[2]`, one of several
+/// stations of a declaration.
+pub fn declared_name(name: &str) -> &str {
+    name.split('[').next().unwrap_or(name)
 }
 
 impl Node {
@@ -317,7 +323,7 @@ impl Line {
         match &self.nodes[node].kind {
             NodeKind::Station(station) => {
                 let mut modes = station.failures.iter();
-                modes.any(|mode| mode.interrupted == InterruptedWork::ScrapsPart)
+                modes.any(FailureMode::scraps_parts)
             }
             NodeKind::Buffer { shelf_life, .. } => shelf_life.is_some(),
             _ => false,

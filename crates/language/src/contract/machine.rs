@@ -293,6 +293,14 @@ pub struct FailureMode {
     pub interrupted: InterruptedWork,
 }
 
+impl FailureMode {
+    /// Returns whether it scraps parts. Failures after a number of parts interrupt no work.
+    pub fn scraps_parts(&self) -> bool {
+        self.interrupted == InterruptedWork::ScrapsPart
+            && !matches!(self.between, Between::Parts(_))
+    }
+}
+
 /// What lies between the end of a repair and the next failure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Between {

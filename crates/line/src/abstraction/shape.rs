@@ -9,7 +9,7 @@ use super::belt::{self, Room};
 use super::losses;
 use crate::undecided::UndecidedReason;
 use linewright_language::contract::line::{Belt, BufferOrder, Choice, Line, Node, NodeKind};
-use linewright_language::contract::machine::{Between, InterruptedWork};
+use linewright_language::contract::machine::Between;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -623,10 +623,7 @@ fn pauses(line: &Line, node: usize) -> bool {
     };
     let mut modes = station.failures.iter();
     line.calendar_of(node).is_some()
-        || modes.any(|mode| {
-            let scraps = mode.interrupted == InterruptedWork::ScrapsPart;
-            scraps || !matches!(mode.between, Between::Working(_))
-        })
+        || modes.any(|mode| mode.scraps_parts() || !matches!(mode.between, Between::Working(_)))
 }
 
 /// Whether there is always another part at once, however many were supplied. A stock counts as

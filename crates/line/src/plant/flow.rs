@@ -532,8 +532,8 @@ impl Run<'_> {
         self.discard(node, part, reorder);
     }
 
-    /// Removes a part from the line as scrap for which no finished work is to blame, and orders its
-    /// replacement.
+    /// Removes a part from the line as scrap that a failure made, or that has expired, and orders
+    /// its replacement.
     pub(super) fn scrap(&mut self, node: usize, part: PartIndex) {
         self.counters.scrapped += self.setup.single_parts(self.parts[part].kind);
         let replacement = self.replacement(self.parts[part].kind);

@@ -38,7 +38,7 @@ use flow::{Outlet, Ways};
 use journal::Journal;
 use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::{Limit, Line, NodeKind};
+use linewright_language::contract::line::{Limit, Line, NodeKind, declared_name};
 use linewright_station::Controller;
 use part::Parts;
 use progress::{LATEST_SECONDS, Progress};
@@ -474,14 +474,15 @@ impl Setup {
     }
 }
 
-/// For each node, the first one whose name differs at most in the number in brackets.
+/// For each node, the first one of the same declaration.
 fn first_copies(line: &Line) -> Vec<u32> {
     let mut first = std::collections::BTreeMap::new();
     let nodes = line.nodes.iter().enumerate();
     nodes
         .map(|(index, node)| {
-            let name = node.name.split('[').next().unwrap_or_default();
-            *first.entry(name).or_insert(index as u32)
+            *first
+                .entry(declared_name(&node.name))
+                .or_insert(index as u32)
         })
         .collect()
 }

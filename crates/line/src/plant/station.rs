@@ -64,6 +64,8 @@ pub(super) struct Station {
     pub lost_seconds: f64,
     /// Number of parts that were rejected because of this station; see `Run::charge_scrap`.
     pub scrapped: u64,
+    /// Number of parts that a failure scrapped during the work; they are not `processed`.
+    broken: u64,
     pub waits: Waits,
 }
 
@@ -155,6 +157,7 @@ impl Station {
             work_seconds: 0.0,
             lost_seconds: 0.0,
             scrapped: 0,
+            broken: 0,
             waits: Waits::default(),
         }
     }
@@ -303,6 +306,7 @@ impl Station {
         self.work_seconds = 0.0;
         self.lost_seconds = 0.0;
         self.scrapped = 0;
+        self.broken = 0;
         self.waits.forget();
     }
 
@@ -335,7 +339,7 @@ impl Station {
         (busy > 0.0 && planned > 0.0 && self.processed > 0).then(|| Oee {
             availability: (busy / planned).min(1.0),
             effectiveness: (1.0 - self.lost_seconds / busy).max(0.0),
-            quality: (1.0 - self.scrapped as f64 / self.processed as f64).max(0.0),
+            quality: (1.0 - self.scrapped as f64 / (self.processed + self.broken) as f64).max(0.0),
         })
     }
 }
@@ -485,6 +489,8 @@ impl Run<'_> {
             return;
         };
         station.joules += station.joules_so_far();
+        station.scrapped += 1;
+        station.broken += 1;
         self.station_left(node);
         self.scrap(node, part);
     }

@@ -3,10 +3,10 @@
 use super::settings::non_negative;
 use crate::contract::distribution::{Distribution, PROBABILITY_TOLERANCE, is_shape};
 use crate::contract::elaborate::{Elaborator, nearest};
-use crate::contract::machine::{Between, FailureMode};
+use crate::contract::machine::{Between, FailureMode, InterruptedWork};
 use crate::contract::scope::{duplicate_name, duplicate_statement};
 use crate::contract::value::Dimension;
-use linewright_core::diagnostics::codes;
+use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, ExprKind, Outcome, TimeValue};
 
@@ -326,6 +326,13 @@ fn failure_mode<'a>(e: &mut Elaborator<'a>, mode: &'a ast::Failures) -> Option<F
                     mode.span,
                     "failures after a number of parts do not go by the calendar",
                     "remove `by calendar`",
+                );
+            }
+            if mode.interrupted != InterruptedWork::Resumes {
+                let message = "a failure after a number of parts interrupts no work, since it comes when the work on a part ends";
+                e.findings.push(
+                    Diagnostic::warning(codes::UNUSED, mode.span, message)
+                        .with_help("remove `restart` or `scrap`"),
                 );
             }
             if *count == 0 {
