@@ -6,13 +6,13 @@
 //!
 //! ```
 //! use linewright::engine::{project::Project, simulation::SimulationOptions};
-//! use linewright::{line::{Count, Options}, report};
+//! use linewright::{line::Options, report};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let project = Project::open("examples/loader/line.lw")?;
 //! let line = project.line("Loading").ok_or("no such line")?;
 //! let options = Options { until: Some(3600.0), ..Options::default() };
-//! let options = SimulationOptions { options, find_warm_up: false, replications: Count::Fixed(1), rebuild: false };
+//! let options = SimulationOptions { options, ..SimulationOptions::default() };
 //! let folder = tempfile::tempdir()?;
 //! let run = project.run(line, folder.path(), &options)?;
 //! println!("{}", report::table(line, &run.traces[0], None));

@@ -17,8 +17,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Options of a simulation.
-#[derive(Debug, Clone)]
+/// Options of a simulation. By default it is one run, with libraries that exist used again.
+#[derive(Debug, Clone, Default)]
 pub struct SimulationOptions {
     /// End conditions and seed of a run; the deadline also applies to compilers.
     pub options: Options,

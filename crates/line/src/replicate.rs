@@ -120,6 +120,13 @@ pub enum Count {
     },
 }
 
+impl Default for Count {
+    /// A single run.
+    fn default() -> Self {
+        Self::Fixed(1)
+    }
+}
+
 /// Maximum number of replications of a command.
 pub const MAX_REPLICATIONS: u64 = 10_000;
 
