@@ -68,6 +68,24 @@ pub fn simulate(
     run(line, machines, &libraries, options)
 }
 
+/// Number of parts from which on optimized libraries save more time in the run than the compiler
+/// needs for them.
+const MANY_PARTS: u64 = 100_000;
+
+/// The toolchain for the libraries of a run.
+fn toolchain(options: &SimulationOptions) -> Toolchain {
+    let runs = match options.replications {
+        Count::Fixed(runs) => runs,
+        Count::Until { .. } => 1,
+    };
+    let parts = options.options.parts.unwrap_or(0).saturating_mul(runs);
+    if parts < MANY_PARTS {
+        Toolchain::host()
+    } else {
+        Toolchain::shipping()
+    }
+}
+
 /// The library of a machine, and the values of the parameters that only the library has.
 struct Packaged {
     package: Package,
@@ -158,7 +176,7 @@ fn build(
             packages.push(package);
         }
     }
-    let toolchain = Toolchain::host().with_deadline(options.options.deadline);
+    let toolchain = toolchain(options).with_deadline(options.options.deadline);
     let mut findings = Vec::new();
     let mut libraries = Vec::new();
     for built in toolchain.build_all(&packages, folder, options.rebuild) {

@@ -1,22 +1,24 @@
 //! Event calendar: future events in time order.
 //!
-//! A binary heap with one 128-bit key: time, then priority, then a sequence number. Simulated
-//! seconds are never negative and never NaN, and the bit patterns of such numbers have the same
-//! order as the numbers. Keys are therefore compared as integers. The sequence number makes the
-//! order total: two events with the same time and priority happen in the order in which they were
-//! scheduled, on every platform.
-
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+//! A binary heap by time, then priority, then sequence number. Simulated seconds are never negative
+//! and never NaN, and the bit patterns of such numbers have the same order as the numbers. Keys are
+//! therefore compared as integers. The sequence number makes the order total: two events with the
+//! same time and priority happen in the order in which they were scheduled, on every platform.
+//!
+//! Most events schedule another one. Taking an event therefore leaves a gap at the top of the heap.
+//! The next event that is scheduled fills the gap, so that the heap is put in order once, not
+//! twice.
 
 /// Future events, sorted by time; see the module documentation.
 #[derive(Debug, Clone)]
 pub struct Calendar<E> {
-    heap: BinaryHeap<Entry<E>>,
+    heap: Vec<Entry<E>>,
+    /// Whether the first entry was taken.
+    gap: bool,
     scheduled: u64,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 struct Entry<E> {
     key: u128,
     event: E,
@@ -25,17 +27,20 @@ struct Entry<E> {
 /// Number of key bits for the sequence number; the eight bits above hold the priority.
 const NUMBER_BITS: u32 = 56;
 
-impl<E> Calendar<E> {
+impl<E: Copy> Calendar<E> {
     /// Creates an empty calendar.
     pub fn new() -> Self {
         Self {
-            heap: BinaryHeap::new(),
+            heap: Vec::new(),
+            gap: false,
             scheduled: 0,
         }
     }
 
     /// Adds an event. Events at the same time are ordered by priority, smallest first, then by
-    /// insertion. A negative time counts as 0, and a time that is not finite as `f64::MAX`.
+    /// insertion. A negative time counts as 0, and a time that is not finite as `f64::MAX`. Takes
+    /// time logarithmic in the number of events.
+    #[inline]
     pub fn schedule(&mut self, time: f64, priority: u8, event: E) {
         let time = if time.is_finite() {
             time.max(0.0) + 0.0
@@ -44,36 +49,80 @@ impl<E> Calendar<E> {
         };
         let order = u64::from(priority) << NUMBER_BITS | self.scheduled;
         self.scheduled = (self.scheduled + 1) & ((1 << NUMBER_BITS) - 1);
-        self.heap.push(Entry {
+        let entry = Entry {
             key: u128::from(time.to_bits()) << 64 | u128::from(order),
             event,
-        });
+        };
+        if self.gap {
+            self.gap = false;
+            self.put_down(entry);
+        } else {
+            self.put_up(entry);
+        }
     }
 
-    /// Removes the next event and returns it with its time; `None` if there are no events.
+    /// Removes the next event and returns it with its time; `None` if there are no events. Takes
+    /// time logarithmic in the number of events.
+    #[inline]
     pub fn take(&mut self) -> Option<(f64, E)> {
-        self.heap
-            .pop()
-            .map(|entry| (time_of(entry.key), entry.event))
-    }
-
-    /// Time of the next event; `None` if there are no events.
-    pub fn next_time(&self) -> Option<f64> {
-        self.heap.peek().map(|entry| time_of(entry.key))
+        if self.gap {
+            self.gap = false;
+            let last = self.heap.pop()?;
+            if !self.heap.is_empty() {
+                self.put_down(last);
+            }
+        }
+        let first = self.heap.first()?;
+        self.gap = true;
+        Some((time_of(first.key), first.event))
     }
 
     /// Number of events.
     pub fn len(&self) -> usize {
-        self.heap.len()
+        self.heap.len() - usize::from(self.gap)
     }
 
     /// Whether there are no events.
     pub fn is_empty(&self) -> bool {
-        self.heap.is_empty()
+        self.len() == 0
+    }
+
+    /// Puts an entry in place of the first one.
+    fn put_down(&mut self, entry: Entry<E>) {
+        let heap = &mut self.heap[..];
+        let mut at = 0;
+        loop {
+            let mut child = 2 * at + 1;
+            if child + 1 < heap.len() && heap[child + 1].key < heap[child].key {
+                child += 1;
+            }
+            if child >= heap.len() || entry.key <= heap[child].key {
+                break;
+            }
+            heap[at] = heap[child];
+            at = child;
+        }
+        heap[at] = entry;
+    }
+
+    /// Adds an entry at the end.
+    fn put_up(&mut self, entry: Entry<E>) {
+        let mut at = self.heap.len();
+        self.heap.push(entry);
+        let heap = &mut self.heap[..];
+        while at > 0 {
+            let parent = (at - 1) / 2;
+            if heap[parent].key <= entry.key {
+                break;
+            }
+            heap[at] = heap[parent];
+            at = parent;
+        }
+        heap[at] = entry;
     }
 }
 
-impl<E> Default for Calendar<E> {
+impl<E: Copy> Default for Calendar<E> {
     fn default() -> Self {
         Self::new()
     }
@@ -82,27 +131,6 @@ impl<E> Default for Calendar<E> {
 fn time_of(key: u128) -> f64 {
     f64::from_bits((key >> 64) as u64)
 }
-
-// The standard heap returns its greatest element first, so the order is reversed.
-impl<E> Ord for Entry<E> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.key.cmp(&self.key)
-    }
-}
-
-impl<E> PartialOrd for Entry<E> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl<E> PartialEq for Entry<E> {
-    fn eq(&self, other: &Self) -> bool {
-        self.key == other.key
-    }
-}
-
-impl<E> Eq for Entry<E> {}
 
 #[cfg(test)]
 mod tests {

@@ -66,6 +66,7 @@ pub struct PartType {
 impl PartType {
     /// Returns the index of the first property whose value is outside its domain. A property
     /// without a domain allows every finite number.
+    #[inline]
     pub fn first_out_of_range(&self, values: &[f64]) -> Option<usize> {
         let mut properties = self.properties.iter().zip(values);
         properties.position(|(property, value)| match &property.domain {
@@ -430,7 +431,11 @@ pub struct Station {
 
 impl Station {
     /// Gives a part of this type the values that the station sets.
+    #[inline]
     pub fn set_values(&self, part: usize, values: &mut [f64]) {
+        if self.settings.is_empty() {
+            return;
+        }
         let mut new: Vec<(usize, f64)> = Vec::new();
         for setting in self.settings.iter().filter(|s| s.part == part) {
             new.push((setting.property, setting.value.eval(values, &[])));

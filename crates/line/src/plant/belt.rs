@@ -103,7 +103,7 @@ impl BeltState {
 
 impl<'a> Run<'a> {
     fn belt(&mut self, node: usize) -> &mut BeltState {
-        match &mut self.places[node] {
+        match &mut self.nodes[node].place {
             Place::Belt(belt) => belt,
             _ => unreachable!("node {node} is not a belt; please report this"),
         }
@@ -162,7 +162,7 @@ impl<'a> Run<'a> {
             };
         }
         let (Some(controller), Place::Belt(belt)) =
-            (&mut self.controllers[node], &mut self.places[node])
+            (&mut self.controllers[node], &mut self.nodes[node].place)
         else {
             return;
         };
@@ -227,8 +227,8 @@ impl<'a> Run<'a> {
                     self.look_at(node);
                 }
                 Some(Next::Waiting(position)) => {
-                    if let Some(request) = self.queues.of_mut(node).remove(position) {
-                        self.transfer(request.outlet, node);
+                    if let Some(request) = self.nodes[node].requests.remove(position) {
+                        self.transfer(request.outlet as usize, node);
                     }
                 }
                 None => {}
@@ -279,20 +279,13 @@ impl<'a> Run<'a> {
     /// The part that would come on: the one handed over by another belt or the first waiting one,
     /// whichever came first.
     fn next_on(&self, node: usize) -> Option<Next> {
-        let Place::Belt(belt) = &self.places[node] else {
+        let Place::Belt(belt) = &self.nodes[node].place else {
             return None;
         };
-        let waiting = self
-            .queues
-            .of(node)
-            .iter()
-            .enumerate()
-            .find(|(_, request)| {
-                !matches!(
-                    self.places[self.outlets[request.outlet].node],
-                    Place::Belt(_)
-                )
-            });
+        let mut requests = self.nodes[node].requests.iter().enumerate();
+        let waiting = requests.find(|(_, request)| {
+            !matches!(self.nodes[request.from as usize].place, Place::Belt(_))
+        });
         match (belt.inlet, waiting) {
             (Some((_, order)), Some((position, request))) if request.order < order => {
                 Some(Next::Waiting(position))
@@ -369,7 +362,7 @@ impl<'a> Run<'a> {
         };
         let setup = self.setup;
         for &to in setup.ways.to(way) {
-            if self.queues.decline(to, outlet) {
+            if self.lose_turn(to, outlet) {
                 self.look_at(to);
             }
         }
@@ -387,7 +380,7 @@ impl<'a> Run<'a> {
         self.belt(node).kept = 0;
         let way = self.outlets[outlet].to;
         if let Some(to) = way.and_then(|way| self.room_at_end(outlet, part, way)) {
-            self.queues.withdraw(to, outlet);
+            self.nodes[to].requests.withdraw(outlet);
             self.transfer(outlet, to);
             // The requests behind this one had to wait for it; now they are examined.
             self.look_at(to);
@@ -404,8 +397,8 @@ impl<'a> Run<'a> {
     /// Puts an arriving part onto the belt or, if it comes from another belt, into the inlet.
     pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
-        if matches!(self.places[from], Place::Belt(_)) {
-            let order = self.queues.next_number();
+        if matches!(self.nodes[from].place, Place::Belt(_)) {
+            let order = self.next_number();
             self.belt(node).inlet = Some((part, order));
             self.wake(node);
         } else {

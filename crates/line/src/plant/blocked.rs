@@ -96,10 +96,10 @@ impl Run<'_> {
             self.end_warm_up();
         }
         let rest = horizon - self.now;
-        for node in 0..self.places.len() {
+        for node in 0..self.nodes.len() {
             self.end_wait(node);
             let worked = self.working_seconds(node, horizon);
-            if let Place::Station(station) = &mut self.places[node] {
+            if let Place::Station(station) = &mut self.nodes[node].place {
                 station.wait(self.now, worked.clamp(0.0, rest), horizon);
             }
         }
@@ -158,7 +158,7 @@ impl Run<'_> {
             .iter()
             .filter(|outlet| outlet.part.is_some())
             .map(|outlet| outlet.node);
-        let begun = (0..self.places.len()).filter(|&node| match &self.places[node] {
+        let begun = (0..self.nodes.len()).filter(|&node| match &self.nodes[node].place {
             Place::Station(station) => station.components().next().is_some(),
             Place::Belt(belt) => !belt.held.is_empty(),
             _ => false,
@@ -212,11 +212,11 @@ impl Run<'_> {
             .outlets_of(node)
             .map(|outlet| self.outlets[outlet])
             .find_map(|outlet| outlet.part.map(|part| (part, outlet.to)));
-        match (waiting, &self.places[node]) {
+        match (waiting, &self.nodes[node].place) {
             (Some((_, Some(way))), _) => {
                 let places = self.setup.ways.to(way);
                 let rooms = places.iter().map(|&to| {
-                    let room = match self.places[to] {
+                    let room = match self.nodes[to].place {
                         Place::Conveyor(_) | Place::Belt(_) => "room on ",
                         Place::Buffer(_) => "room in ",
                         _ => "",
@@ -259,9 +259,9 @@ impl Run<'_> {
             self.name(node),
             self.type_name(kind)
         );
-        let others = || (0..self.places.len()).filter(|&other| other != node);
+        let others = || (0..self.nodes.len()).filter(|&other| other != node);
         if let Some(holder) = others().find(|&other| self.holds(other, kind)) {
-            let place = match self.places[holder] {
+            let place = match self.nodes[holder].place {
                 Place::Conveyor(_) | Place::Belt(_) => "on",
                 Place::Source(_) | Place::Station(_) => "at",
                 _ => "in",
@@ -271,7 +271,7 @@ impl Run<'_> {
                 next: Some(holder),
             };
         }
-        let maker = others().find(|&other| match &self.places[other] {
+        let maker = others().find(|&other| match &self.nodes[other].place {
             Place::Station(station) => station.joins(kind),
             _ => false,
         });
@@ -298,7 +298,7 @@ impl Run<'_> {
 
     /// All parts at a node that have entered the line.
     pub(super) fn held(&self, node: usize) -> Vec<PartIndex> {
-        match &self.places[node] {
+        match &self.nodes[node].place {
             // A part at the outlet of a source has not entered the line, and a sink holds no parts.
             Place::Source(_) | Place::Sink => Vec::new(),
             Place::Store(store) => store.parts().collect(),
@@ -317,7 +317,7 @@ impl Run<'_> {
     /// The part type of a source and its `at most N in the line`, if this limit prevents the source
     /// from making a part.
     fn limit_reached(&self, node: usize) -> Option<(usize, u32)> {
-        match (&self.line.nodes[node].kind, &self.places[node]) {
+        match (&self.line.nodes[node].kind, &self.nodes[node].place) {
             (
                 NodeKind::Source {
                     part,
@@ -334,7 +334,7 @@ impl Run<'_> {
 
     /// Describes the sources that make no part because of their `at most N in the line`.
     fn paused_sources(&self) -> Vec<String> {
-        let paused = (0..self.places.len()).filter_map(|node| {
+        let paused = (0..self.nodes.len()).filter_map(|node| {
             let (part, most) = self.limit_reached(node)?;
             let (name, part) = (self.name(node), self.type_name(part));
             Some(format!(
@@ -350,7 +350,7 @@ impl Run<'_> {
         let mut texts = Vec::new();
         for (node, declared) in self.line.nodes.iter().enumerate() {
             let name = &declared.name;
-            match (&declared.kind, &self.places[node]) {
+            match (&declared.kind, &self.nodes[node].place) {
                 (NodeKind::Source { part, supply, .. }, Place::Source(source)) if is(*part) => {
                     texts.push(match supply {
                         Supply::OnOrder if source.exhausted() => {

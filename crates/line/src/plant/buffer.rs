@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// State of a buffer.
 #[derive(Debug)]
 pub(super) struct Buffer {
-    capacity: usize,
+    capacity: u64,
     order: BufferOrder,
     ready: Ready,
     /// Number of parts that have come.
@@ -77,7 +77,7 @@ pub(super) struct Arrival {
 impl Buffer {
     pub(super) fn new(capacity: u32, order: &BufferOrder) -> Self {
         Self {
-            capacity: capacity as usize,
+            capacity: u64::from(capacity),
             order: order.clone(),
             ready: match order {
                 BufferOrder::FirstIn => Ready::Queue(VecDeque::new()),
@@ -114,11 +114,13 @@ impl Buffer {
     }
 
     /// Whether there is room for another part.
+    #[inline]
     pub(super) fn has_room(&self) -> bool {
-        self.len() < self.capacity
+        self.level.level() < self.capacity
     }
 
     /// The part that leaves next.
+    #[inline]
     pub(super) fn first(&self) -> Option<PartIndex> {
         match &self.ready {
             Ready::Queue(queue) => queue.front().map(|waiting| waiting.part),
@@ -135,15 +137,28 @@ impl Buffer {
     }
 
     /// A part comes.
+    #[inline]
     pub(super) fn put(&mut self, index: PartIndex, part: &Part, now: f64) -> Arrival {
         self.came += 1;
         self.level.add(now, 1);
-        let rank = self.rank(part);
         let waiting = Waiting {
             part: index,
             since: now,
             number: self.came,
         };
+        if let (Ready::Queue(queue), None, None) = (&mut self.ready, &self.dwell, self.shelf_life) {
+            queue.push_back(waiting);
+            return Arrival {
+                is_next: queue.len() == 1,
+                ready_at: None,
+                expires_at: None,
+            };
+        }
+        self.put_ranked(waiting, part, now)
+    }
+
+    fn put_ranked(&mut self, waiting: Waiting, part: &Part, now: f64) -> Arrival {
+        let rank = self.rank(part);
         let dwell = self.dwell.as_mut().map_or(0.0, Sampler::draw);
         let ready_at = now + dwell;
         let expires_at = self.shelf_life.map(|seconds| now + seconds);
@@ -160,7 +175,7 @@ impl Buffer {
             self.make_ready(rank, waiting);
         }
         Arrival {
-            is_next: dwell <= 0.0 && self.first() == Some(index),
+            is_next: dwell <= 0.0 && self.first() == Some(waiting.part),
             ready_at: (dwell > 0.0).then_some(ready_at),
             expires_at,
         }
@@ -202,6 +217,7 @@ impl Buffer {
     }
 
     /// The first part leaves.
+    #[inline]
     pub(super) fn take(&mut self, now: f64) {
         let taken = match &mut self.ready {
             Ready::Queue(queue) => queue.pop_front(),
@@ -246,13 +262,14 @@ impl Buffer {
 
 impl Run<'_> {
     fn buffer(&mut self, node: usize) -> &mut Buffer {
-        match &mut self.places[node] {
+        match &mut self.nodes[node].place {
             Place::Buffer(buffer) => buffer,
             _ => unreachable!("node {node} is not a buffer; please report this"),
         }
     }
 
     /// A part comes to a buffer.
+    #[inline]
     pub(super) fn buffer_arrival(&mut self, node: usize, arrival: &Arrival) {
         if let Some(time) = arrival.ready_at {
             self.schedule(time, WORK, Event::Rested(node as u32));

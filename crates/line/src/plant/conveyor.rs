@@ -76,7 +76,7 @@ impl Run<'_> {
     /// Whether a part can come on now.
     pub(super) fn conveyor_admits(&self, node: usize) -> bool {
         let (places, _) = self.belt_of(node);
-        match &self.places[node] {
+        match &self.nodes[node].place {
             Place::Conveyor(conveyor) => {
                 conveyor.parts.len() < places && self.now >= conveyor.opens
             }
@@ -88,7 +88,7 @@ impl Run<'_> {
         self.record(node, Some(part), EventKind::Arrived);
         let now = self.now;
         let (places, period) = self.belt_of(node);
-        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+        let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
             return;
         };
         conveyor.book(now);
@@ -108,7 +108,7 @@ impl Run<'_> {
     /// Returns the first part if it has reached the end; otherwise schedules its arrival.
     pub(super) fn conveyor_end(&mut self, node: usize) -> Option<PartIndex> {
         let now = self.now;
-        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+        let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
             return None;
         };
         let &(part, arrival) = conveyor.parts.front()?;
@@ -123,7 +123,7 @@ impl Run<'_> {
     }
 
     pub(super) fn arrival(&mut self, node: usize) {
-        if let Place::Conveyor(conveyor) = &mut self.places[node] {
+        if let Place::Conveyor(conveyor) = &mut self.nodes[node].place {
             conveyor.arriving = false;
         }
         self.look_at(node);
@@ -132,7 +132,7 @@ impl Run<'_> {
     pub(super) fn conveyor_left(&mut self, node: usize) {
         let now = self.now;
         let (_, period) = self.belt_of(node);
-        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+        let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
             return;
         };
         conveyor.book(now);
@@ -151,10 +151,10 @@ impl Run<'_> {
     pub(super) fn reopen_later(&mut self, node: usize) {
         let now = self.now;
         let (places, _) = self.belt_of(node);
-        if self.queues.of(node).is_empty() {
+        if self.nodes[node].requests.is_empty() {
             return;
         }
-        let Place::Conveyor(conveyor) = &mut self.places[node] else {
+        let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
             return;
         };
         if conveyor.parts.len() < places && now < conveyor.opens && !conveyor.reopening {
@@ -165,7 +165,7 @@ impl Run<'_> {
     }
 
     pub(super) fn reopen(&mut self, node: usize) {
-        if let Place::Conveyor(conveyor) = &mut self.places[node] {
+        if let Place::Conveyor(conveyor) = &mut self.nodes[node].place {
             conveyor.reopening = false;
         }
         self.look_at(node);

@@ -74,7 +74,14 @@ impl Failures {
         self.current.is_some()
     }
 
+    /// Whether there is a failure mode.
+    #[inline]
+    pub(super) fn can_strike(&self) -> bool {
+        !self.modes.is_empty()
+    }
+
     /// Seconds of work until the next failure.
+    #[inline]
     pub(super) fn seconds_left(&self) -> f64 {
         let mut least = f64::INFINITY;
         for mode in &self.modes {
@@ -86,6 +93,7 @@ impl Failures {
     }
 
     /// Counts seconds of work.
+    #[inline]
     pub(super) fn worked(&mut self, seconds: f64) {
         for mode in &mut self.modes {
             if let Trigger::Work(left, _) = &mut mode.trigger {
@@ -135,7 +143,7 @@ impl Failures {
 impl Run<'_> {
     /// Schedules the first failures that strike by the calendar.
     pub(super) fn schedule_failures(&mut self, node: usize) {
-        let modes = match &self.places[node] {
+        let modes = match &self.nodes[node].place {
             Place::Station(station) => station.failures.modes.len(),
             _ => 0,
         };
@@ -153,7 +161,7 @@ impl Run<'_> {
 
     /// A station breaks down in one of its failure modes.
     pub(super) fn break_down(&mut self, node: usize, mode: usize) {
-        let (now, on_shift) = (self.now, self.shifts.is_on(node));
+        let now = self.now;
         self.end_wait(node);
         let station = self.station(node);
         if station.failures.current.is_some() {
@@ -169,7 +177,7 @@ impl Run<'_> {
         if interrupted == InterruptedWork::Restarts && works {
             station.restart();
         }
-        station.book(now, on_shift);
+        station.book(now);
         self.record(node, None, EventKind::Failed);
         if interrupted == InterruptedWork::ScrapsPart {
             self.scrap_work(node);

@@ -18,13 +18,13 @@ impl Run<'_> {
         let now = self.now;
         let start = self.counting_start();
         let counted = now - start;
-        for node in 0..self.places.len() {
+        for node in 0..self.nodes.len() {
             self.end_wait(node);
         }
         for (index, node) in self.line.nodes.iter().enumerate() {
-            match (&node.kind, &mut self.places[index]) {
+            match (&node.kind, &mut self.nodes[index].place) {
                 (NodeKind::Station(declared), Place::Station(station)) => {
-                    station.close(now, declared.idle_watts, self.shifts.is_on(index));
+                    station.close(now, declared.idle_watts);
                     stations.push(StationStatistics {
                         node: index,
                         name: node.name.clone(),
@@ -185,7 +185,7 @@ impl Run<'_> {
     fn check_littles_law(&mut self) {
         let (now, start) = (self.now, self.counting_start());
         self.counters.units.advance(now);
-        let here = (0..self.places.len()).flat_map(|node| self.held(node));
+        let here = (0..self.nodes.len()).flat_map(|node| self.held(node));
         let here = here.filter(|part| self.parts[*part].entered);
         let unit_seconds = here
             .map(|part| now - self.parts[part].since.max(start))
@@ -200,7 +200,7 @@ impl Run<'_> {
 
     /// The part counts, checked against the parts that are actually in the line.
     fn count_parts(&self) -> PartCounts {
-        let in_progress = (0..self.places.len())
+        let in_progress = (0..self.nodes.len())
             .flat_map(|node| self.held(node))
             .filter(|&part| self.parts[part].entered)
             .count() as u64;

@@ -28,7 +28,7 @@
 
 use super::part::PartIndex;
 use super::queue::Request;
-use super::{Place, Run};
+use super::{Node, Place, Run};
 use crate::trace::{End, EventKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Choice, Line, NodeKind};
@@ -58,21 +58,15 @@ pub(super) struct Way {
     first: u32,
     end: u32,
     choice: Option<u32>,
-}
-
-impl Way {
     /// The place to which the part goes; `None` if it is open to which of several.
-    pub(super) fn only(self, ways: &Ways) -> Option<usize> {
-        match ways.to(self) {
-            [to] => Some(*to),
-            _ => None,
-        }
-    }
+    only: Option<u32>,
 }
 
 /// Routes by node and part type.
 pub(super) struct Ways {
     types: usize,
+    /// By node and part type: the way, if all parts take the same one.
+    same: Vec<Option<Way>>,
     /// By node and part type: range of `all`.
     index: Vec<Range<u32>>,
     all: Vec<(Way, Option<RealExpr>)>,
@@ -92,19 +86,26 @@ impl Ways {
                 first: at as u32,
                 end: end as u32,
                 choice: route.choice.map(|choice| choice as u32),
+                only: (end == at + 1).then_some(route.to as u32),
             };
             by_start[route.from * types + route.part].push((way, route.condition.clone()));
             at = end;
         }
         let mut all = Vec::new();
         let mut index = Vec::new();
+        let mut same = Vec::new();
         for ways in by_start {
+            same.push(match ways[..] {
+                [(way, None), ..] if way.choice.is_none() => Some(way),
+                _ => None,
+            });
             let first = all.len() as u32;
             all.extend(ways);
             index.push(first..all.len() as u32);
         }
         Self {
             types,
+            same,
             index,
             all,
             to: line.routes.iter().map(|route| route.to).collect(),
@@ -114,6 +115,12 @@ impl Ways {
     /// The places at the ends of a way.
     pub(super) fn to(&self, way: Way) -> &[usize] {
         &self.to[way.first as usize..way.end as usize]
+    }
+
+    /// The way of a part type from a node, if all parts take the same one.
+    #[inline]
+    fn same(&self, node: usize, part: usize) -> Option<Way> {
+        self.same[node * self.types + part]
     }
 
     /// Ways of a part type from a node, in order.
@@ -171,56 +178,107 @@ impl Run<'_> {
         while self.end.is_none()
             && let Some(node) = self.agenda.pop()
         {
-            self.hand_on(node);
-            self.serve(node);
+            self.examine(node);
             if self.progress.is_stuck_at_instant() {
                 break;
             }
         }
     }
 
-    /// Moves a node's next parts to its outlets.
-    fn hand_on(&mut self, node: usize) {
-        for outlet in self.outlets_of(node) {
-            while self.outlets[outlet].part.is_none()
-                && self.end.is_none()
-                && !self.progress.is_stuck_at_instant()
-            {
-                let next = match &self.places[node] {
-                    Place::Source(_) => self.make(node),
-                    Place::Store(_) => self.give_out(node, outlet),
-                    Place::Buffer(buffer) => buffer.first(),
-                    Place::Conveyor(_) => self.conveyor_end(node),
-                    Place::Station(_) | Place::Belt(_) | Place::Sink => None,
-                };
-                match next {
-                    Some(part) => self.offer(outlet, part),
-                    None => break,
+    /// Moves a node's next parts to its outlets, or lets a station join. Then gives the node's room
+    /// to the parts that wait for it.
+    fn examine(&mut self, node: usize) {
+        let Node {
+            place,
+            outlet,
+            requests,
+        } = &self.nodes[node];
+        let outlet = *outlet;
+        match place {
+            Place::Station(station) => {
+                if requests.is_empty() && !station.joins_some() {
+                    if let Some(activity) = station.begins_wait() {
+                        self.begin_interval(node, activity);
+                    }
+                    return;
+                }
+                if station.joins_some() {
+                    self.station_ready(node);
+                }
+                self.serve(node);
+                self.begin_wait(node);
+                return;
+            }
+            Place::Belt(_) | Place::Sink => {}
+            Place::Buffer(_) => {
+                while self.is_free(outlet)
+                    && let Place::Buffer(buffer) = &self.nodes[node].place
+                    && let Some(next) = buffer.first()
+                {
+                    self.offer(outlet, next);
+                }
+            }
+            Place::Source(_) => {
+                while self.is_free(outlet)
+                    && let Some(next) = self.make(node)
+                {
+                    self.offer(outlet, next);
+                }
+            }
+            Place::Conveyor(_) => {
+                while self.is_free(outlet)
+                    && let Some(next) = self.conveyor_end(node)
+                {
+                    self.offer(outlet, next);
+                }
+                self.serve(node);
+                self.reopen_later(node);
+                return;
+            }
+            Place::Store(_) => {
+                for outlet in self.outlets_of(node) {
+                    while self.is_free(outlet)
+                        && let Some(next) = self.give_out(node, outlet)
+                    {
+                        self.offer(outlet, next);
+                    }
                 }
             }
         }
-        if matches!(self.places[node], Place::Station(_)) {
-            self.station_ready(node);
+        if !self.nodes[node].requests.is_empty() {
+            self.serve(node);
         }
+    }
+
+    /// Whether an outlet can take another part, and the run goes on.
+    #[inline]
+    fn is_free(&self, outlet: usize) -> bool {
+        self.outlets[outlet].part.is_none()
+            && self.end.is_none()
+            && !self.progress.is_stuck_at_instant()
     }
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
-        let since = self.outlets[outlet].since.take();
-        let node = self.outlets[outlet].node;
-        let way = self.way(node, part);
-        self.outlets[outlet].part = Some(part);
+        let kind = self.parts[part].kind;
+        let offered = &mut self.outlets[outlet];
+        let node = offered.node;
+        let since = offered.since.take();
+        offered.part = Some(part);
+        let mut way = self.setup.ways.same(node, kind);
+        if way.is_none() {
+            way = self.chosen_way(node, part);
+        }
         self.outlets[outlet].to = way;
         let Some(way) = way else { return };
-        let kind = self.parts[part].kind;
-        if let Some(to) = way.only(&self.setup.ways) {
+        if let Some(to) = way.only {
+            let to = to as usize;
             let admitted = self.admits(to, kind, node);
             if admitted && !self.others_first(to, None) && !self.bill_first(to, kind) {
                 self.transfer(outlet, to);
                 return;
             }
             self.request(outlet, to, kind, since);
-            self.begin_wait(node);
             if admitted {
                 // An older request or a complete bill goes first, so the node is examined to serve
                 // it.
@@ -236,7 +294,6 @@ impl Run<'_> {
                     self.look_at(to);
                 }
             }
-            self.begin_wait(node);
         }
     }
 
@@ -264,17 +321,61 @@ impl Run<'_> {
     /// Registers that the outlet waits for a node. With `since`, it takes the turn of an earlier
     /// request with this sequence number.
     pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
-        self.queues.push(to, outlet, kind, since);
-        match self.places[to] {
+        let mut request = Request {
+            order: 0,
+            outlet: outlet as u32,
+            kind: kind as u32,
+            from: self.outlets[outlet].node as u32,
+            declined: false,
+        };
+        match since {
+            None => {
+                request.order = self.next_number();
+                self.nodes[to].requests.push(request);
+            }
+            Some(order) => {
+                request.order = order;
+                self.nodes[to].requests.insert(request);
+            }
+        }
+        match self.nodes[to].place {
             Place::Conveyor(_) => self.reopen_later(to),
             Place::Belt(_) => self.wake(to),
             _ => {}
         }
     }
 
+    /// Next sequence number for requests and complete bills.
+    #[inline]
+    pub(super) fn next_number(&mut self) -> u64 {
+        self.requests += 1;
+        self.requests
+    }
+
+    /// Moves an outlet that had its turn to the end of a node's queue. Returns whether the outlet
+    /// was in the queue.
+    pub(super) fn lose_turn(&mut self, to: usize, outlet: usize) -> bool {
+        let Some(request) = self.nodes[to].requests.withdraw(outlet) else {
+            return false;
+        };
+        let request = Request {
+            order: self.next_number(),
+            declined: true,
+            ..request
+        };
+        self.nodes[to].requests.push(request);
+        true
+    }
+
     /// The way of a part, by the first route whose condition holds, to the place that the choice
     /// determines. If there is none, adds a finding.
+    #[inline]
     pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
+        let same = self.setup.ways.same(node, self.parts[part].kind);
+        same.or_else(|| self.chosen_way(node, part))
+    }
+
+    fn chosen_way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
         let Self {
             setup,
             parts,
@@ -300,6 +401,7 @@ impl Run<'_> {
                 Some(member) => Way {
                     first: way.first + member,
                     end: way.first + member + 1,
+                    only: Some(setup.ways.to[(way.first + member) as usize] as u32),
                     ..way
                 },
             });
@@ -325,33 +427,39 @@ impl Run<'_> {
 
     /// Whether a node has room for a part of this type coming from `from`. A belt takes parts only
     /// when it is stepped, except from another belt; see `belt.rs`.
+    #[inline]
     pub(super) fn admits(&self, node: usize, kind: usize, from: usize) -> bool {
-        match &self.places[node] {
+        match &self.nodes[node].place {
             Place::Source(_) => false,
             Place::Sink | Place::Store(_) => true,
             Place::Buffer(buffer) => buffer.has_room(),
             Place::Conveyor(_) => self.conveyor_admits(node),
             Place::Belt(belt) => {
-                matches!(self.places[from], Place::Belt(_)) && belt.inlet.is_none()
+                matches!(self.nodes[from].place, Place::Belt(_)) && belt.inlet.is_none()
             }
-            Place::Station(station) => station.admits(kind, self.shifts.is_on(node)),
+            Place::Station(station) => station.admits(kind),
         }
     }
 
     /// Whether a part that has waited longer for a node than outlet `own` (or than a newcomer)
     /// could go there now.
+    #[inline]
     pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
-        self.queues
-            .of(node)
+        let requests = &self.nodes[node].requests;
+        if requests.is_empty() {
+            return false;
+        }
+        let mut earlier = requests
             .iter()
-            .take_while(|request| Some(request.outlet) != own)
-            .any(|request| self.admits(node, request.kind, self.outlets[request.outlet].node))
+            .take_while(|request| Some(request.outlet as usize) != own);
+        earlier.any(|request| self.admits(node, request.kind as usize, request.from as usize))
     }
 
     /// Whether the components of a complete bill wait at a node for the same work as a newcomer of
     /// this type. They arrived before it.
+    #[inline]
     fn bill_first(&self, node: usize, kind: usize) -> bool {
-        match &self.places[node] {
+        match &self.nodes[node].place {
             Place::Station(station) => station.has_complete_bill() && !station.lacks(kind),
             _ => false,
         }
@@ -360,87 +468,95 @@ impl Run<'_> {
     /// Admits waiting parts to a node as long as there is room; see [Turns](self#turns).
     fn serve(&mut self, node: usize) {
         let mut next = 0;
-        while let Some(&Request { outlet, kind, .. }) = self.queues.of(node).get(next) {
+        while let Some(&request) = self.nodes[node].requests.get(next) {
             if self.end.is_some() || self.progress.is_stuck_at_instant() {
                 return;
             }
-            let from = self.outlets[outlet].node;
-            if !self.admits(node, kind, from) {
+            let from = request.from as usize;
+            if !self.admits(node, request.kind as usize, from) {
                 next += 1;
-            } else if matches!(self.places[from], Place::Belt(_)) {
-                if std::mem::take(&mut self.queues.of_mut(node)[next].declined) {
+            } else if matches!(self.nodes[from].place, Place::Belt(_)) {
+                let request = self.nodes[node].requests.get_mut(next);
+                if request.is_some_and(|request| std::mem::take(&mut request.declined)) {
                     next += 1;
                     continue;
                 }
                 self.wake(from);
                 break;
             } else {
-                self.queues.of_mut(node).remove(next);
-                self.transfer(outlet, node);
+                self.nodes[node].requests.remove(next);
+                self.transfer(request.outlet as usize, node);
                 next = 0;
             }
-        }
-        match self.places[node] {
-            Place::Conveyor(_) => self.reopen_later(node),
-            Place::Station(_) => self.begin_wait(node),
-            _ => {}
         }
     }
 
     /// Moves an outlet's part to this place at the end of its way. The caller has checked that the
     /// place has room for it, and has removed the outlet's request to it.
+    #[inline(never)]
     pub(super) fn transfer(&mut self, outlet: usize, to: usize) {
         let Outlet {
             node,
-            part,
-            to: way,
+            ref mut part,
+            to: ref mut way,
             ..
         } = self.outlets[outlet];
-        let (Some(part), Some(way)) = (part, way) else {
+        let (Some(part), Some(way)) = (part.take(), way.take()) else {
             return;
         };
-        if let Some(choice) = way.choice {
-            self.choosers[choice as usize].chosen();
-            let setup = self.setup;
-            for &other in setup.ways.to(way) {
-                let withdrawn = other != to && self.queues.withdraw(other, outlet).is_some();
-                if withdrawn && matches!(self.places[node], Place::Belt(_)) {
-                    // Room may have been reserved for the belt; see [Turns](self#turns).
-                    self.look_at(other);
-                }
-            }
+        if way.choice.is_some() {
+            self.take_chosen_way(outlet, to, way);
         }
         self.progress.count_movement();
-        self.end_wait(node);
-        if matches!(
-            self.places[node],
-            Place::Station(_) | Place::Source(_) | Place::Store(_)
-        ) {
-            self.parts[part].came_from = Some(node as u32);
-        }
-        self.outlets[outlet].part = None;
-        self.outlets[outlet].to = None;
-        self.enter(node, part);
-        self.record(node, Some(part), EventKind::Left);
-        match &mut self.places[node] {
-            Place::Store(store) => store.left(self.parts[part].kind),
+        match &mut self.nodes[node].place {
             Place::Buffer(buffer) => buffer.take(self.now),
-            Place::Station(_) => self.station_left(node),
-            Place::Conveyor(_) => self.conveyor_left(node),
-            Place::Belt(_) => self.belt_left(node),
+            Place::Station(station) if !station.waits.last() => {
+                station.clear(self.now);
+                self.parts[part].came_from = Some(node as u32);
+            }
+            Place::Station(_) => {
+                self.end_wait(node);
+                self.station_left(node);
+                self.parts[part].came_from = Some(node as u32);
+            }
+            Place::Store(store) => {
+                store.left(self.parts[part].kind);
+                self.enter(node, part);
+            }
             Place::Source(source) => {
                 let to = &self.line.nodes[to].kind;
                 let is_lost = matches!(to, NodeKind::Sink { reject: true, .. });
                 source.left(self.now, is_lost);
+                self.enter(node, part);
             }
+            Place::Conveyor(_) => self.conveyor_left(node),
+            Place::Belt(_) => self.belt_left(node),
             Place::Sink => {}
         }
+        self.record(node, Some(part), EventKind::Left);
         self.look_at(node);
         self.arrive(node, to, part);
     }
 
+    /// A part takes one of the routes between which it could choose: it no longer waits at the ends
+    /// of the others.
+    fn take_chosen_way(&mut self, outlet: usize, to: usize, way: Way) {
+        let Some(choice) = way.choice else { return };
+        self.choosers[choice as usize].chosen();
+        let from = self.outlets[outlet].node;
+        let setup = self.setup;
+        for &other in setup.ways.to(way) {
+            let withdrawn = other != to && self.nodes[other].requests.withdraw(outlet).is_some();
+            if withdrawn && matches!(self.nodes[from].place, Place::Belt(_)) {
+                // Room may have been reserved for the belt; see [Turns](self#turns).
+                self.look_at(other);
+            }
+        }
+    }
+
+    #[inline]
     fn arrive(&mut self, from: usize, node: usize, part: PartIndex) {
-        match &mut self.places[node] {
+        match &mut self.nodes[node].place {
             Place::Sink => self.sink(node, part),
             Place::Store(_) => self.store(node, part),
             Place::Buffer(buffer) => {
@@ -458,12 +574,15 @@ impl Run<'_> {
     /// Lets another part of a buffer leave next than the one that waits, if any. It takes the turn
     /// of that part.
     pub(super) fn overtake(&mut self, node: usize) {
-        let outlet = self.setup.first_outlet[node];
         let setup = self.setup;
-        self.outlets[outlet].part = None;
-        if let Some(way) = self.outlets[outlet].to.take() {
+        let outlet = setup.first_outlet[node];
+        let Outlet { part, to, .. } = &mut self.outlets[outlet];
+        if part.take().is_some()
+            && let Some(way) = to.take()
+        {
             for &to in setup.ways.to(way) {
-                let since = self.queues.withdraw(to, outlet);
+                let withdrawn = self.nodes[to].requests.withdraw(outlet);
+                let since = withdrawn.map(|request| request.order);
                 self.outlets[outlet].since = since.or(self.outlets[outlet].since);
             }
         }
@@ -472,7 +591,7 @@ impl Run<'_> {
 
     /// Number of parts in a place.
     fn load(&self, node: usize) -> usize {
-        match &self.places[node] {
+        match &self.nodes[node].place {
             Place::Source(_) | Place::Sink => 0,
             Place::Store(store) => store.parts().count(),
             Place::Station(station) => station.parts().count(),
@@ -486,6 +605,7 @@ impl Run<'_> {
     fn enter(&mut self, node: usize, part: PartIndex) {
         let now = self.now;
         let entering = &mut self.parts[part];
+        entering.came_from = Some(node as u32);
         if !entering.entered {
             entering.entered = true;
             entering.entered_at = now;
@@ -505,7 +625,7 @@ impl Run<'_> {
         self.counters.first_pass += single - self.parts[part].reworked(single).min(single);
         self.count_out(self.parts[part].kind);
         if self.line.is_product(self.parts[part].kind) {
-            let stored = matches!(self.places[node], Place::Store(_));
+            let stored = matches!(self.nodes[node].place, Place::Store(_));
             self.counters
                 .count_product(self.now, &self.parts[part], stored);
             self.progress

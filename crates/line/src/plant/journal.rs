@@ -37,15 +37,21 @@ impl Journal {
 }
 
 impl Run<'_> {
+    /// Records a movement or an operation, if the options request it.
+    #[inline]
     pub(super) fn record(&mut self, node: usize, part: Option<PartIndex>, what: EventKind) {
         if self.setup.options.log {
-            self.journal.log.push(LogEntry {
-                time: self.now,
-                node,
-                part: part.map(|part| (self.parts[part].number, self.parts[part].kind)),
-                what,
-            });
+            self.log(node, part, what);
         }
+    }
+
+    fn log(&mut self, node: usize, part: Option<PartIndex>, what: EventKind) {
+        self.journal.log.push(LogEntry {
+            time: self.now,
+            node,
+            part: part.map(|part| (self.parts[part].number, self.parts[part].kind)),
+            what,
+        });
     }
 
     /// Records that a controller returned an error.

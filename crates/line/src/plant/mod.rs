@@ -42,7 +42,7 @@ use linewright_language::contract::line::{Limit, Line, NodeKind, declared_name};
 use linewright_station::Controller;
 use part::Parts;
 use progress::{LATEST_SECONDS, Progress};
-use queue::{Agenda, Queues};
+use queue::{Agenda, Requests};
 use shifts::Shifts;
 use station::Station;
 use std::collections::BTreeMap;
@@ -79,6 +79,8 @@ struct Setup {
     single_parts: Vec<u64>,
     /// By node: the first of the parallel stations that it belongs to, or the node itself.
     first_copy: Vec<u32>,
+    /// The sources that stop while a number of parts is in the line.
+    limited_sources: Vec<usize>,
     /// By node: whether it is a station that can be down.
     can_be_down: Vec<bool>,
     /// By node: for a station, the stations that can be down and from which its parts come.
@@ -116,6 +118,7 @@ enum Event {
 impl Event {
     /// Whether the event can set something going in a line in which nothing moves: all except
     /// shifts, which are handled separately, failures, and the end of the warm-up.
+    #[inline]
     fn sets_going(self) -> bool {
         !matches!(self, Self::Shift | Self::Failure(..) | Self::WarmUp)
     }
@@ -129,6 +132,15 @@ const SHIFT: u8 = 1;
 const BELT: u8 = 2;
 /// The warm-up ends after everything else that happens at its instant.
 const WARM_UP: u8 = 3;
+
+/// A node in a run.
+struct Node {
+    place: Place,
+    /// The parts that wait for it.
+    requests: Requests,
+    /// The first of its outlets.
+    outlet: usize,
+}
 
 /// State of a node.
 enum Place {
@@ -156,9 +168,10 @@ struct Run<'a> {
     /// Time at which the warm-up ended; `None` during it, and if there is none.
     counting_since: Option<f64>,
     parts: Parts,
-    places: Vec<Place>,
+    nodes: Vec<Node>,
     outlets: Vec<Outlet>,
-    queues: Queues,
+    /// Last sequence number given to a request or a complete bill.
+    requests: u64,
     choosers: Vec<Chooser>,
     agenda: Agenda,
     end: Option<End>,
@@ -242,6 +255,11 @@ impl Plant {
         });
         let single_parts = single_parts.collect();
         let first_copy = first_copies(&line);
+        let is_limited = |node: &usize| {
+            let kind = &line.nodes[*node].kind;
+            matches!(kind, NodeKind::Source { most: Some(_), .. })
+        };
+        let limited_sources = (0..line.nodes.len()).filter(is_limited).collect();
         let can_be_down = waits::can_be_down(&line);
         let suppliers = waits::suppliers(&line, &can_be_down);
         Ok(Self {
@@ -257,6 +275,7 @@ impl Plant {
                 contents,
                 single_parts,
                 first_copy,
+                limited_sources,
                 can_be_down,
                 suppliers,
             },
@@ -308,42 +327,45 @@ impl<'a> Run<'a> {
     ) -> Self {
         let line: &Line = &setup.line;
         let shifts = Shifts::new(line);
-        let places = line
-            .nodes
-            .iter()
-            .enumerate()
-            .map(|(index, node)| match &node.kind {
-                NodeKind::Source { part, supply, .. } => {
-                    Place::Source(Source::new(&node.name, supply, seed, setup.orders(*part)))
-                }
-                NodeKind::Sink { .. } => Place::Sink,
-                NodeKind::Store { stock } => Place::Store(Store::new(stock, line.parts.len())),
-                NodeKind::Station(declared) => Place::Station(Box::new(Station::new(
-                    line,
-                    index,
-                    declared,
-                    seed,
-                    shifts.is_on(index),
-                ))),
-                NodeKind::Conveyor {
-                    belt: Some(belt), ..
-                } => Place::Belt(Box::new(BeltState::new(belt))),
-                NodeKind::Conveyor { .. } => Place::Conveyor(Box::default()),
-                NodeKind::Buffer {
-                    capacity,
-                    order,
-                    dwell,
-                    shelf_life,
-                } => {
-                    let draws = || stream(seed, Purpose::Dwell, &node.name);
-                    let dwell = (!dwell.is_zero()).then(|| Sampler::new(dwell, draws()));
-                    let buffer = Buffer::new(*capacity, order)
-                        .with_dwell(dwell)
-                        .with_shelf_life(*shelf_life);
-                    Place::Buffer(Box::new(buffer))
-                }
-            })
-            .collect();
+        let places = line.nodes.iter().enumerate();
+        let places = places.map(|(index, node)| match &node.kind {
+            NodeKind::Source { part, supply, .. } => {
+                Place::Source(Source::new(&node.name, supply, seed, setup.orders(*part)))
+            }
+            NodeKind::Sink { .. } => Place::Sink,
+            NodeKind::Store { stock } => Place::Store(Store::new(stock, line.parts.len())),
+            NodeKind::Station(declared) => Place::Station(Box::new(Station::new(
+                line,
+                index,
+                declared,
+                setup.first_copy[index],
+                seed,
+                shifts.is_on(index),
+            ))),
+            NodeKind::Conveyor {
+                belt: Some(belt), ..
+            } => Place::Belt(Box::new(BeltState::new(belt))),
+            NodeKind::Conveyor { .. } => Place::Conveyor(Box::default()),
+            NodeKind::Buffer {
+                capacity,
+                order,
+                dwell,
+                shelf_life,
+            } => {
+                let draws = || stream(seed, Purpose::Dwell, &node.name);
+                let dwell = (!dwell.is_zero()).then(|| Sampler::new(dwell, draws()));
+                let buffer = Buffer::new(*capacity, order)
+                    .with_dwell(dwell)
+                    .with_shelf_life(*shelf_life);
+                Place::Buffer(Box::new(buffer))
+            }
+        });
+        let nodes = places.zip(&setup.first_outlet).map(|(place, outlet)| Node {
+            place,
+            requests: Requests::default(),
+            outlet: *outlet,
+        });
+        let nodes = nodes.collect();
         Self {
             setup,
             line,
@@ -356,9 +378,9 @@ impl<'a> Run<'a> {
             shifts,
             counting_since: None,
             parts: Parts::default(),
-            places,
+            nodes,
             outlets: setup.outlets.clone(),
-            queues: Queues::new(line.nodes.len()),
+            requests: 0,
             choosers: Chooser::all(line, seed),
             agenda: Agenda::new(line.nodes.len()),
             end: None,
@@ -377,7 +399,7 @@ impl<'a> Run<'a> {
         if self.setup.options.warm_up > 0.0 {
             self.schedule(self.setup.options.warm_up, WARM_UP, Event::WarmUp);
         }
-        for node in 0..self.places.len() {
+        for node in 0..self.nodes.len() {
             self.schedule_failures(node);
             self.look_at(node);
         }
@@ -392,7 +414,7 @@ impl<'a> Run<'a> {
             if self.rests_for_ever() {
                 return self.end_blocked();
             }
-            let Some(time) = self.calendar.next_time() else {
+            let Some((time, event)) = self.calendar.take() else {
                 return self.end_blocked();
             };
             if let Some(horizon) = self.setup.horizon
@@ -401,15 +423,13 @@ impl<'a> Run<'a> {
                 self.now = horizon;
                 return End::Time;
             }
-            if let Some((time, event)) = self.calendar.take() {
-                self.now = time;
-                self.events += 1;
-                self.happen(event);
-                self.settle();
-                self.guard();
-                if self.events.is_multiple_of(DEADLINE_CHECK_INTERVAL) {
-                    self.check_deadline();
-                }
+            self.now = time;
+            self.events += 1;
+            self.happen(event);
+            self.settle();
+            self.guard();
+            if self.events.is_multiple_of(DEADLINE_CHECK_INTERVAL) {
+                self.check_deadline();
             }
         }
     }
@@ -433,6 +453,7 @@ impl<'a> Run<'a> {
         }
     }
 
+    #[inline]
     fn schedule(&mut self, time: f64, priority: u8, event: Event) {
         if event.sets_going() {
             self.pending += 1;

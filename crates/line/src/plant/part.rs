@@ -30,8 +30,10 @@ pub(super) struct Part {
     pub worked_at: Option<u32>,
     /// The station whose defect changed it last.
     pub defect_at: Option<u32>,
-    /// One bit per station, set if it has begun to work on the part.
-    visits: Vec<u64>,
+    /// One bit per station, set if it has begun to work on the part; `more_visits` has those of
+    /// nodes from 64 on.
+    visits: u64,
+    more_visits: Vec<u64>,
     /// Property values, in the order of the type's properties.
     pub properties: Vec<f64>,
 }
@@ -41,11 +43,16 @@ impl Part {
     /// first of them.
     pub(super) fn visit(&mut self, station: u32) {
         let (word, bit) = (station as usize / 64, 1_u64 << (station % 64));
-        if self.visits.len() <= word {
-            self.visits.resize(word + 1, 0);
-        }
-        self.reworked |= self.visits[word] & bit != 0;
-        self.visits[word] |= bit;
+        let visits = if word == 0 {
+            &mut self.visits
+        } else {
+            if self.more_visits.len() < word {
+                self.more_visits.resize(word, 0);
+            }
+            &mut self.more_visits[word - 1]
+        };
+        self.reworked |= *visits & bit != 0;
+        *visits |= bit;
     }
 
     /// Number of single parts in it on which a station has worked twice, of `single` in all.
@@ -84,8 +91,8 @@ impl Parts {
         let slot = &mut self.slots[index as usize];
         let mut properties = std::mem::take(&mut slot.properties);
         properties.clear();
-        let mut visits = std::mem::take(&mut slot.visits);
-        visits.clear();
+        let mut more_visits = std::mem::take(&mut slot.more_visits);
+        more_visits.clear();
         for property in &line.parts[kind].properties {
             properties.push(match property.initial {
                 InitialValue::Number(value) => value,
@@ -105,7 +112,8 @@ impl Parts {
             came_from: None,
             worked_at: None,
             defect_at: None,
-            visits,
+            visits: 0,
+            more_visits,
             properties,
         };
         PartIndex(index)

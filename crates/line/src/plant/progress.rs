@@ -76,12 +76,23 @@ impl Progress {
 }
 
 impl Run<'_> {
-    /// Ends a run that no longer makes progress.
+    /// Looks whether the run still makes progress; if not, ends it.
+    #[inline]
     pub(super) fn guard(&mut self) {
         self.progress.advance(self.now);
-        if self.end.is_some() {
-            return;
+        let makes_progress = self.now <= LATEST_SECONDS
+            && !self.progress.is_stuck_at_instant()
+            && !self
+                .progress
+                .makes_no_products(self.events, self.journal.violation_count);
+        if !makes_progress && self.end.is_none() {
+            self.give_up();
         }
+    }
+
+    /// Ends a run if it no longer makes progress.
+    #[cold]
+    fn give_up(&mut self) {
         if self.now > LATEST_SECONDS {
             self.end = Some(End::GaveUp);
             let message = format!(

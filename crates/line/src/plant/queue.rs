@@ -1,105 +1,88 @@
-//! Queues of waiting parts per node, and the list of nodes to examine again.
+//! Requests of waiting parts to a node, and the list of nodes to examine again.
 
 use std::collections::VecDeque;
 
 /// An outlet that waits for a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Request {
-    /// The outlet.
-    pub outlet: usize,
-    /// Type of the part at the outlet.
-    pub kind: usize,
     /// Sequence number, assigned when the outlet began to wait or lost its turn.
     pub order: u64,
+    /// The outlet.
+    pub outlet: u32,
+    /// Type of the part at the outlet.
+    pub kind: u32,
+    /// The node of the outlet.
+    pub from: u32,
     /// Whether the outlet is that of a belt that had its turn and did not hand over its part; reset
     /// when the node is examined.
     pub declined: bool,
 }
 
-/// The requests to each node, oldest first, and their sequence numbers.
-#[derive(Debug)]
-pub(super) struct Queues {
-    waiting: Vec<VecDeque<Request>>,
-    /// Last sequence number given to a request or a complete bill.
-    last: u64,
-}
+/// The requests to a node, oldest first.
+#[derive(Debug, Default)]
+pub(super) struct Requests(VecDeque<Request>);
 
-impl Queues {
-    /// Creates empty queues for this many nodes.
-    pub(super) fn new(nodes: usize) -> Self {
-        Self {
-            waiting: vec![VecDeque::new(); nodes],
-            last: 0,
+impl Requests {
+    /// Whether there are none.
+    #[inline]
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// All requests, oldest first.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Request> {
+        self.0.iter()
+    }
+
+    /// The request at this position.
+    #[inline]
+    pub(super) fn get(&self, position: usize) -> Option<&Request> {
+        self.0.get(position)
+    }
+
+    /// The request at this position.
+    pub(super) fn get_mut(&mut self, position: usize) -> Option<&mut Request> {
+        self.0.get_mut(position)
+    }
+
+    /// Removes and returns the request at this position.
+    #[inline]
+    pub(super) fn remove(&mut self, position: usize) -> Option<Request> {
+        if position == 0 {
+            self.0.pop_front()
+        } else {
+            self.0.remove(position)
         }
     }
 
-    /// Next sequence number for requests and complete bills.
-    pub(super) fn next_number(&mut self) -> u64 {
-        self.last += 1;
-        self.last
+    /// Adds the latest request.
+    #[inline]
+    pub(super) fn push(&mut self, request: Request) {
+        self.0.push_back(request);
     }
 
-    /// The requests to a node, oldest first.
-    pub(super) fn of(&self, node: usize) -> &VecDeque<Request> {
-        &self.waiting[node]
+    /// Adds a request that takes the turn of an earlier one.
+    pub(super) fn insert(&mut self, request: Request) {
+        let at = self.0.partition_point(|other| other.order < request.order);
+        self.0.insert(at, request);
     }
 
-    /// The requests to a node, oldest first.
-    pub(super) fn of_mut(&mut self, node: usize) -> &mut VecDeque<Request> {
-        &mut self.waiting[node]
-    }
-
-    /// Adds a request: an outlet, whose part has this type, waits for a node. With `since`, it
-    /// takes the turn of an earlier request with this sequence number.
-    pub(super) fn push(&mut self, node: usize, outlet: usize, kind: usize, since: Option<u64>) {
-        let order = since.unwrap_or_else(|| self.next_number());
-        let queue = &mut self.waiting[node];
-        let at = match since {
-            None => queue.len(),
-            Some(order) => queue.partition_point(|request| request.order < order),
-        };
-        queue.insert(
-            at,
-            Request {
-                outlet,
-                kind,
-                order,
-                declined: false,
-            },
-        );
-    }
-
-    /// Removes the request of an outlet. Returns its sequence number, if there was one.
-    pub(super) fn withdraw(&mut self, node: usize, outlet: usize) -> Option<u64> {
-        let queue = &mut self.waiting[node];
-        let at = queue.iter().position(|request| request.outlet == outlet)?;
-        queue.remove(at).map(|request| request.order)
-    }
-
-    /// Moves an outlet that had its turn to the end of a node's queue. Returns whether the outlet
-    /// was in the queue.
-    pub(super) fn decline(&mut self, node: usize, outlet: usize) -> bool {
-        let queue = &mut self.waiting[node];
-        let Some(at) = queue.iter().position(|request| request.outlet == outlet) else {
-            return false;
-        };
-        let Some(request) = queue.remove(at) else {
-            return false;
-        };
-        self.last += 1;
-        queue.push_back(Request {
-            order: self.last,
-            declined: true,
-            ..request
-        });
-        true
+    /// Removes the request of an outlet. Returns it, if there was one.
+    pub(super) fn withdraw(&mut self, outlet: usize) -> Option<Request> {
+        let mut requests = self.0.iter();
+        let at = requests.position(|request| request.outlet as usize == outlet)?;
+        self.remove(at)
     }
 }
 
 /// Nodes to examine again, first in, first out, each at most once.
 #[derive(Debug)]
 pub(super) struct Agenda {
-    nodes: VecDeque<u32>,
+    /// A ring with room for all nodes: its length is a power of two.
+    nodes: Vec<u32>,
+    /// Numbers of nodes that were removed, and that were added.
+    removed: usize,
+    added: usize,
     listed: Vec<bool>,
 }
 
@@ -107,21 +90,33 @@ impl Agenda {
     /// Creates an empty list for this many nodes.
     pub(super) fn new(nodes: usize) -> Self {
         Self {
-            nodes: VecDeque::new(),
+            nodes: vec![0; nodes.next_power_of_two()],
+            removed: 0,
+            added: 0,
             listed: vec![false; nodes],
         }
     }
 
     /// Adds a node, unless it is listed already.
+    #[inline]
     pub(super) fn push(&mut self, node: usize) {
-        if !std::mem::replace(&mut self.listed[node], true) {
-            self.nodes.push_back(node as u32);
+        let listed = &mut self.listed[node];
+        if !*listed {
+            *listed = true;
+            let at = self.added & (self.nodes.len() - 1);
+            self.nodes[at] = node as u32;
+            self.added = self.added.wrapping_add(1);
         }
     }
 
     /// Removes and returns the next node.
+    #[inline]
     pub(super) fn pop(&mut self) -> Option<usize> {
-        let node = self.nodes.pop_front()? as usize;
+        if self.removed == self.added {
+            return None;
+        }
+        let node = self.nodes[self.removed & (self.nodes.len() - 1)] as usize;
+        self.removed = self.removed.wrapping_add(1);
         self.listed[node] = false;
         Some(node)
     }

@@ -103,9 +103,9 @@ impl Run<'_> {
     /// Shifts begin or end.
     pub(super) fn change_shift(&mut self) {
         let changes = self.shifts.advance(self.now);
-        for node in 0..self.places.len() {
+        for node in 0..self.nodes.len() {
             let state = self.shifts.of_nodes[node];
-            if matches!(self.places[node], Place::Station(_))
+            if matches!(self.nodes[node].place, Place::Station(_))
                 && let Some(change) = state.and_then(|state| changes[state])
             {
                 self.station_shift(node, change.finishes_work);

@@ -2,7 +2,7 @@
 
 use super::failures::Failures;
 use super::waits::Waits;
-use super::{Event, Place, Run, WORK, stream};
+use super::{Event, Node, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
 use crate::sampler::Sampler;
@@ -17,6 +17,10 @@ use linewright_station::{CallError, ErrorCode, Service};
 pub(super) struct Station {
     /// By task: its places for components; no places if the task joins nothing.
     pub bills: Vec<Bill>,
+    /// Whether some task joins components.
+    joins_some: bool,
+    /// The first of the parallel stations that it belongs to, or the station itself.
+    first_copy: u32,
     /// Part type of each task.
     kinds: Vec<usize>,
     /// By task: whether it works on arriving parts of its type without joining.
@@ -35,6 +39,7 @@ pub(super) struct Station {
     running: bool,
     /// Time at which setup or service for the part began.
     begun_at: f64,
+    on_shift: bool,
     /// Whether the station is off shift and finishes its part nevertheless.
     overtime: bool,
     /// Only the event with this number is valid.
@@ -44,6 +49,8 @@ pub(super) struct Station {
     /// By task: the duration of the work; `None` if a controller determines it.
     times: Vec<Option<Sampler>>,
     defects: Stream,
+    /// Power during work whose duration no controller determines.
+    watts: f64,
     /// The part's properties after the current service, and the machine's properties during it.
     outcome: Vec<f64>,
     values: Vec<f64>,
@@ -96,6 +103,7 @@ impl Station {
         line: &Line,
         node: usize,
         station: &line::Station,
+        first_copy: u32,
         seed: u64,
         on_shift: bool,
     ) -> Self {
@@ -106,19 +114,20 @@ impl Station {
             let draws = stream(seed, Purpose::Service, &of);
             task.time.as_ref().map(|time| Sampler::new(time, draws))
         });
-        Self {
-            bills: tasks
+        let bills = tasks.iter().map(|task| Bill {
+            lines: line.parts[task.part]
+                .bill
                 .iter()
-                .map(|task| Bill {
-                    lines: line.parts[task.part]
-                        .bill
-                        .iter()
-                        .filter(|_| line.is_joined_at(node, task.part))
-                        .map(|&(kind, count)| (kind, count as usize, Vec::new()))
-                        .collect(),
-                    complete: None,
-                })
+                .filter(|_| line.is_joined_at(node, task.part))
+                .map(|&(kind, count)| (kind, count as usize, Vec::new()))
                 .collect(),
+            complete: None,
+        });
+        let bills: Vec<_> = bills.collect();
+        Self {
+            joins_some: bills.iter().any(|bill| !bill.lines.is_empty()),
+            bills,
+            first_copy,
             plain: tasks
                 .iter()
                 .map(|task| {
@@ -134,12 +143,14 @@ impl Station {
             resumed: 0.0,
             running: false,
             begun_at: 0.0,
+            on_shift,
             overtime: false,
             number: 0,
             failures: Failures::new(name, &station.failures, seed),
             setup: Sampler::new(&station.setup, stream(seed, Purpose::Setup, name)),
             times: times.collect(),
             defects: stream(seed, Purpose::Defects, name),
+            watts: station.watts,
             outcome: Vec::new(),
             values: Vec::new(),
             phase_seconds: 0.0,
@@ -163,13 +174,19 @@ impl Station {
     }
 
     /// Whether the station takes a part of this type now.
-    pub(super) fn admits(&self, kind: usize, on_shift: bool) -> bool {
-        self.lacks(kind) || (self.can_begin(on_shift) && self.plain_task(kind).is_some())
+    #[inline]
+    pub(super) fn admits(&self, kind: usize) -> bool {
+        self.lacks(kind) || (self.can_begin() && self.plain_task(kind).is_some())
     }
 
     /// Whether the station can begin to work on a part.
-    fn can_begin(&self, on_shift: bool) -> bool {
-        self.phase == Phase::Free && on_shift && !self.failures.is_failed()
+    fn can_begin(&self) -> bool {
+        self.phase == Phase::Free && self.on_shift && !self.failures.is_failed()
+    }
+
+    /// Whether some task joins components.
+    pub(super) fn joins_some(&self) -> bool {
+        self.joins_some
     }
 
     /// Whether there is a free place for a component of this type.
@@ -178,12 +195,17 @@ impl Station {
     }
 
     /// Whether all components of some bill are present.
+    #[inline]
     pub(super) fn has_complete_bill(&self) -> bool {
-        self.bills.iter().any(|bill| bill.complete.is_some())
+        self.joins_some && self.bills.iter().any(|bill| bill.complete.is_some())
     }
 
     /// The first free place for a component of this type, as task and line of its bill.
+    #[inline]
     fn component_place(&self, kind: usize) -> Option<(usize, usize)> {
+        if !self.joins_some {
+            return None;
+        }
         self.bills.iter().enumerate().find_map(|(task, bill)| {
             bill.lines
                 .iter()
@@ -234,6 +256,48 @@ impl Station {
             .copied()
     }
 
+    /// Starts the service of the part, which needs this time and energy.
+    #[inline]
+    fn start(&mut self, seconds: f64, joules: f64, control_seconds: f64) {
+        self.phase = Phase::Service;
+        self.remaining = seconds;
+        self.phase_seconds = seconds;
+        self.service_joules = joules;
+        self.service_control = control_seconds;
+    }
+
+    /// Starts or continues setup or service, unless the station is broken down or off shift.
+    /// Returns the seconds until it ends or the station breaks down, and the number of this event.
+    #[inline]
+    fn resume(&mut self, now: f64) -> Option<(f64, u32)> {
+        self.book(now);
+        let works = self.on_shift || self.overtime;
+        if self.failures.is_failed() || !works || self.running {
+            return None;
+        }
+        self.running = true;
+        self.resumed = now;
+        self.number = self.number.wrapping_add(1);
+        Some((self.remaining.min(self.until_failure()), self.number))
+    }
+
+    /// The activity of the interval that begins now, if one does; see [`Waits`].
+    #[inline]
+    pub(super) fn begins_wait(&self) -> Option<Activity> {
+        let activity = self.clock.activity();
+        let waits = matches!(activity, Activity::Blocked | Activity::Starved);
+        (waits && !self.waits.last()).then_some(activity)
+    }
+
+    /// The part is gone.
+    #[inline]
+    pub(super) fn clear(&mut self, now: f64) {
+        self.phase = Phase::Free;
+        self.part = None;
+        self.overtime = false;
+        self.book(now);
+    }
+
     /// Interrupts setup or service, and subtracts the work done.
     pub(super) fn pause(&mut self, now: f64) {
         if std::mem::take(&mut self.running) {
@@ -269,9 +333,20 @@ impl Station {
         }
     }
 
+    /// Seconds of work until the next failure, of which there is none during setup.
+    #[inline]
+    fn until_failure(&self) -> f64 {
+        if self.phase == Phase::Service {
+            self.failures.seconds_left()
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Books time from now on under the current activity.
-    pub(super) fn book(&mut self, now: f64, on_shift: bool) {
-        let works = on_shift || self.overtime;
+    #[inline]
+    pub(super) fn book(&mut self, now: f64) {
+        let works = self.on_shift || self.overtime;
         let activity = match self.phase {
             _ if self.failures.is_failed() && works => Activity::Failed,
             _ if self.failures.is_failed() => Activity::FailedOffShift,
@@ -287,7 +362,8 @@ impl Station {
     /// Books the time from `now` to `until`, in which nothing changes and the given seconds are on
     /// shift.
     pub(super) fn wait(&mut self, now: f64, on_shift_seconds: f64, until: f64) {
-        self.book(now, true);
+        self.on_shift = true;
+        self.book(now);
         self.clock.switch(now + on_shift_seconds, Activity::Idle);
         self.clock.switch(until, Activity::Idle);
     }
@@ -312,9 +388,9 @@ impl Station {
 
     /// Closes the accounts at the end of a run: books the time since the last change, and the
     /// energy that a service in progress has used.
-    pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
+    pub(super) fn close(&mut self, now: f64, idle_watts: f64) {
         self.pause(now);
-        self.book(now, on_shift);
+        self.book(now);
         self.joules += self.joules_so_far();
         self.joules +=
             idle_watts * (self.clock.total() - self.clock.seconds(Activity::Busy)).max(0.0);
@@ -344,21 +420,28 @@ impl Station {
     }
 }
 
+#[inline]
+fn station_of(nodes: &mut [Node], node: usize) -> &mut Station {
+    match &mut nodes[node].place {
+        Place::Station(station) => station,
+        _ => unreachable!("node {node} is not a station; please report this"),
+    }
+}
+
 impl Run<'_> {
+    #[inline]
     pub(super) fn station(&mut self, node: usize) -> &mut Station {
-        match &mut self.places[node] {
-            Place::Station(station) => station,
-            _ => unreachable!("node {node} is not a station; please report this"),
-        }
+        station_of(&mut self.nodes, node)
     }
 
     /// A part arrives at a station that admits it.
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
-        self.note_supplier(node, part);
-        let kind = self.parts[part].kind;
+        let arriving = &self.parts[part];
+        let (kind, came_from) = (arriving.kind, arriving.came_from);
         let station = self.station(node);
         station.visited = true;
+        station.waits.supplier = came_from;
         if let Some((task, line)) = station.component_place(kind) {
             let bill = &mut station.bills[task];
             bill.lines[line].2.push(part);
@@ -367,7 +450,7 @@ impl Run<'_> {
                 .iter()
                 .all(|(_, count, there)| there.len() == *count)
             {
-                let order = self.queues.next_number();
+                let order = self.next_number();
                 self.station(node).bills[task].complete = Some(order);
                 self.look_at(node);
             }
@@ -379,11 +462,10 @@ impl Run<'_> {
     /// Lets a free station join the bill that has been complete longest, unless a part for another
     /// task has waited longer.
     pub(super) fn station_ready(&mut self, node: usize) {
-        let on_shift = self.shifts.is_on(node);
-        let Place::Station(station) = &self.places[node] else {
+        let Place::Station(station) = &self.nodes[node].place else {
             return;
         };
-        if !station.can_begin(on_shift) {
+        if !station.can_begin() {
             return;
         }
         let complete = station
@@ -395,10 +477,9 @@ impl Run<'_> {
         let Some((order, task)) = complete else {
             return;
         };
-        let older = self.queues.of(node).iter().any(|request| {
-            request.order < order
-                && !station.lacks(request.kind)
-                && station.plain_task(request.kind).is_some()
+        let older = self.nodes[node].requests.iter().any(|request| {
+            let kind = request.kind as usize;
+            request.order < order && !station.lacks(kind) && station.plain_task(kind).is_some()
         });
         if !older {
             self.join(node, task);
@@ -496,18 +577,20 @@ impl Run<'_> {
     }
 
     /// Begins to process a part, with setup first if the part type has changed.
+    #[inline]
     fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
+        if self.station(node).waits.is_starved() {
+            self.end_starving(node);
+        }
         let now = self.now;
-        self.end_starving(node);
-        let station = self.station(node);
+        let station = station_of(&mut self.nodes, node);
+        self.parts[part].visit(station.first_copy);
         let kind = station.kinds[task];
         let changed = station.last_kind.is_some_and(|last| last != kind);
         station.last_kind = Some(kind);
         station.part = Some(part);
         station.task = task;
         station.begun_at = now;
-        self.parts[part].visit(self.setup.first_copy[node]);
-        let station = self.station(node);
         let seconds = if changed { station.setup.draw() } else { 0.0 };
         if seconds > 0.0 {
             station.phase = Phase::Setup;
@@ -516,16 +599,26 @@ impl Run<'_> {
             self.record(node, Some(part), EventKind::SetupStarted);
             self.resume(node);
         } else {
-            self.serve_part(node);
+            self.serve_part(node, part);
         }
     }
 
-    /// Calls the controller for all operations of the task; the station is busy from now on.
-    fn serve_part(&mut self, node: usize) {
-        let Some(part) = self.station(node).part else {
-            return;
-        };
+    /// Begins the service of a part. A controller, if there is one, is called for all operations of
+    /// the task. The station is busy from now on.
+    #[inline]
+    fn serve_part(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Started);
+        let station = station_of(&mut self.nodes, node);
+        if let Some(time) = &mut station.times[station.task] {
+            let seconds = time.draw();
+            station.start(seconds, seconds * station.watts, 0.0);
+            self.resume(node);
+        } else {
+            self.serve_with_controller(node, part);
+        }
+    }
+
+    fn serve_with_controller(&mut self, node: usize, part: PartIndex) {
         match self.simulate(node, part) {
             Ok(Service {
                 seconds,
@@ -533,12 +626,7 @@ impl Run<'_> {
                 control_seconds,
                 ..
             }) => {
-                let station = self.station(node);
-                station.phase = Phase::Service;
-                station.remaining = seconds;
-                station.phase_seconds = seconds;
-                station.service_joules = joules;
-                station.service_control = control_seconds;
+                self.station(node).start(seconds, joules, control_seconds);
                 self.resume(node);
             }
             Err(error) => self.take_out(node, part, error),
@@ -551,20 +639,12 @@ impl Run<'_> {
         let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
             return Ok(Service::default());
         };
-        let Place::Station(station) = &mut self.places[node] else {
+        let Place::Station(station) = &mut self.nodes[node].place else {
             return Ok(Service::default());
         };
         let carried = &self.parts[part].properties;
         station.outcome.clear();
         station.outcome.extend_from_slice(carried);
-        if let Some(time) = &mut station.times[station.task] {
-            let seconds = time.draw();
-            return Ok(Service {
-                seconds,
-                joules: seconds * declared.watts,
-                ..Service::default()
-            });
-        }
         let (Some(controller), Some(machine)) = (&mut self.controllers[node], &declared.machine)
         else {
             return Ok(Service::default());
@@ -609,24 +689,12 @@ impl Run<'_> {
     }
 
     /// Starts or continues setup or service, unless the station is broken down or off shift.
+    #[inline]
     fn resume(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.shifts.is_on(node));
-        let station = self.station(node);
-        station.book(now, on_shift);
-        let works = on_shift || station.overtime;
-        if station.failures.is_failed() || !works || station.running {
-            return;
+        let now = self.now;
+        if let Some((seconds, number)) = self.station(node).resume(now) {
+            self.schedule(now + seconds, WORK, Event::Station(node as u32, number));
         }
-        station.running = true;
-        station.resumed = now;
-        station.number = station.number.wrapping_add(1);
-        let seconds = if station.phase == Phase::Service {
-            station.remaining.min(station.failures.seconds_left())
-        } else {
-            station.remaining
-        };
-        let event = Event::Station(node as u32, station.number);
-        self.schedule(now + seconds, WORK, event);
     }
 
     /// Setup or service ends, or the station breaks down.
@@ -636,11 +704,7 @@ impl Run<'_> {
             self.progress.skip_event();
             return;
         }
-        let until_failure = if station.phase == Phase::Service {
-            station.failures.seconds_left()
-        } else {
-            f64::INFINITY
-        };
+        let until_failure = station.until_failure();
         let fails = until_failure < station.remaining;
         // The exact duration, not the difference of two times, because rounding must not leave a
         // remainder of the service.
@@ -658,21 +722,23 @@ impl Run<'_> {
             if let Some(mode) = station.failures.strike_at_work() {
                 self.break_down(node, mode);
             }
-        } else if station.phase == Phase::Setup {
-            self.serve_part(node);
-        } else {
-            self.end_service(node);
+        } else if let Some(part) = station.part {
+            if station.phase == Phase::Setup {
+                self.serve_part(node, part);
+            } else {
+                self.end_service(node, part);
+            }
         }
     }
 
     /// Lets a repaired station continue or begin its work.
     pub(super) fn work_again(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.shifts.is_on(node));
+        let now = self.now;
         let station = self.station(node);
         if matches!(station.phase, Phase::Setup | Phase::Service) {
             self.resume(node);
         } else {
-            station.book(now, on_shift);
+            station.book(now);
             self.begin_wait(node);
             self.look_at(node);
         }
@@ -680,25 +746,49 @@ impl Run<'_> {
 
     /// Ends the service: the part receives its new properties and possibly random defects, and
     /// leaves when it can.
-    fn end_service(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.shifts.is_on(node));
-        let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
-            return;
-        };
-        let defects = &declared.defects;
-        let Place::Station(station) = &mut self.places[node] else {
-            return;
-        };
-        let Some(part) = station.part else { return };
+    fn end_service(&mut self, node: usize, part: PartIndex) {
+        let now = self.now;
+        let station = station_of(&mut self.nodes, node);
         station.processed += 1;
         station.joules += station.service_joules;
         station.control_seconds += station.service_control;
         station.work_seconds += station.phase_seconds;
         station.phase = Phase::Done;
         station.overtime = false;
+        station.book(now);
+        let can_strike = station.failures.can_strike();
         let finished = &mut self.parts[part];
         finished.worked_at = Some(node as u32);
-        finished.properties.clone_from(&station.outcome);
+        let has_properties = !finished.properties.is_empty();
+        if has_properties {
+            self.change_properties(node, part);
+        }
+        self.record(node, Some(part), EventKind::Ended);
+        if can_strike {
+            for mode in self.station(node).failures.part_finished() {
+                self.break_down(node, mode);
+            }
+        }
+        if has_properties && self.refuse_out_of_range(node, part) {
+            return;
+        }
+        self.offer(self.nodes[node].outlet, part);
+        self.begin_wait(node);
+    }
+
+    /// Gives a part the properties that follow from the work on it, and possibly random defects.
+    fn change_properties(&mut self, node: usize, part: PartIndex) {
+        let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
+            return;
+        };
+        let defects = &declared.defects;
+        let Place::Station(station) = &mut self.nodes[node].place else {
+            return;
+        };
+        let finished = &mut self.parts[part];
+        if station.times[station.task].is_none() {
+            finished.properties.clone_from(&station.outcome);
+        }
         declared.set_values(finished.kind, &mut finished.properties);
         for defect in defects.iter().filter(|d| d.part == finished.kind) {
             if defect.properties.is_empty() || !station.defects.chance(defect.probability) {
@@ -713,26 +803,12 @@ impl Run<'_> {
             finished.properties[chosen] = value;
             finished.defect_at = Some(node as u32);
         }
-        station.book(now, on_shift);
-        self.record(node, Some(part), EventKind::Ended);
-        for mode in self.station(node).failures.part_finished() {
-            self.break_down(node, mode);
-        }
-        if self.refuse_out_of_range(node, part) {
-            return;
-        }
-        let outlet = self.setup.first_outlet[node];
-        self.offer(outlet, part);
     }
 
     /// Frees a station that no longer has a part in work.
     pub(super) fn station_left(&mut self, node: usize) {
-        let (now, on_shift) = (self.now, self.shifts.is_on(node));
-        let station = self.station(node);
-        station.phase = Phase::Free;
-        station.part = None;
-        station.overtime = false;
-        station.book(now, on_shift);
+        let now = self.now;
+        self.station(node).clear(now);
     }
 
     /// A shift of the station begins or ends. If work that has begun is finished, the station goes
@@ -741,6 +817,7 @@ impl Run<'_> {
         let (now, on_shift) = (self.now, self.shifts.is_on(node));
         self.end_wait(node);
         let station = self.station(node);
+        station.on_shift = on_shift;
         // A part that comes at this very instant waits for the next shift.
         let has_begun =
             matches!(station.phase, Phase::Setup | Phase::Service) && station.begun_at < now;

@@ -144,7 +144,7 @@ impl Run<'_> {
         let NodeKind::Source { part, most, .. } = self.line.nodes[node].kind else {
             return None;
         };
-        let Place::Source(source) = &mut self.places[node] else {
+        let Place::Source(source) = &mut self.nodes[node].place else {
             return None;
         };
         let full = most.is_some_and(|most| self.counters.in_line[part] >= u64::from(most));
@@ -182,13 +182,8 @@ impl Run<'_> {
             let content = self.setup.contents[kind * self.line.parts.len() + part];
             *count = count.saturating_sub(content);
         }
-        let limited = |node: &usize| {
-            matches!(
-                self.line.nodes[*node].kind,
-                NodeKind::Source { most: Some(_), .. }
-            )
-        };
-        for node in (0..self.places.len()).filter(limited).collect::<Vec<_>>() {
+        let setup = self.setup;
+        for &node in &setup.limited_sources {
             self.look_at(node);
         }
     }
@@ -197,7 +192,7 @@ impl Run<'_> {
     /// to the interval. An unlimited source makes the parts anyway.
     pub(super) fn order(&mut self, node: usize, count: u64) {
         let now = self.now;
-        let Place::Source(source) = &mut self.places[node] else {
+        let Place::Source(source) = &mut self.nodes[node].place else {
             return;
         };
         let stopped = source.exhausted() && !source.due;
@@ -213,7 +208,7 @@ impl Run<'_> {
 
     /// Handles the event that a source's next part is due.
     pub(super) fn due(&mut self, node: usize) {
-        if let Place::Source(source) = &mut self.places[node] {
+        if let Place::Source(source) = &mut self.nodes[node].place {
             source.due = true;
         }
         self.look_at(node);
@@ -223,7 +218,7 @@ impl Run<'_> {
     /// arrival.
     pub(super) fn give_out(&mut self, node: usize, outlet: usize) -> Option<PartIndex> {
         let kind = self.outlets[outlet].kind?;
-        let Place::Store(store) = &mut self.places[node] else {
+        let Place::Store(store) = &mut self.nodes[node].place else {
             return None;
         };
         if store.stock[kind] > 0 {
@@ -241,7 +236,7 @@ impl Run<'_> {
         let kind = self.parts[part].kind;
         if self.setup.ways.from(node, kind).is_empty() {
             self.complete(node, part);
-        } else if let Place::Store(store) = &mut self.places[node] {
+        } else if let Place::Store(store) = &mut self.nodes[node].place {
             store.parts[kind].push_back(part);
             self.look_at(node);
         }

@@ -7,7 +7,6 @@
 //! blocked station, and proportional to the number of its suppliers for a starved one.
 
 use super::{Place, Run, Setup};
-use crate::plant::part::PartIndex;
 use crate::statistics::Activity;
 use crate::trace::{Wait, WaitKind};
 use linewright_language::contract::line::{Line, NodeKind};
@@ -30,7 +29,7 @@ pub(super) struct Waits {
     starved_seconds: f64,
     starved_down: Vec<Down>,
     /// The place from which the last part came.
-    supplier: Option<u32>,
+    pub supplier: Option<u32>,
     blocked: Vec<Cause>,
     starved: Vec<Cause>,
 }
@@ -76,6 +75,18 @@ fn charge(causes: &mut Vec<Cause>, place: u32, station: Option<u32>, seconds: f6
 }
 
 impl Waits {
+    /// Whether an interval lasts.
+    #[inline]
+    pub(super) fn last(&self) -> bool {
+        self.interval.is_some()
+    }
+
+    /// Whether the station has been starved since its last part.
+    #[inline]
+    pub(super) fn is_starved(&self) -> bool {
+        self.interval.is_some() || self.starved_seconds > 0.0
+    }
+
     /// Forgets what has been counted, after the interval has ended.
     pub(super) fn forget(&mut self) {
         self.starved_seconds = 0.0;
@@ -110,14 +121,16 @@ impl Waits {
 
 impl Run<'_> {
     /// Begins an interval if a station is booked as blocked or starved. Does nothing during one.
+    #[inline]
     pub(super) fn begin_wait(&mut self, node: usize) {
-        let Place::Station(station) = &self.places[node] else {
-            return;
-        };
-        if station.waits.interval.is_some() {
-            return;
+        if let Place::Station(station) = &self.nodes[node].place
+            && let Some(activity) = station.begins_wait()
+        {
+            self.begin_interval(node, activity);
         }
-        let activity = station.clock.activity();
+    }
+
+    pub(super) fn begin_interval(&mut self, node: usize, activity: Activity) {
         match activity {
             Activity::Blocked => {
                 let Some(place) = self.awaited_place(node) else {
@@ -133,9 +146,8 @@ impl Run<'_> {
             }
             Activity::Starved => {
                 let setup: &Setup = self.setup;
-                let suppliers = &setup.suppliers[node];
                 self.station(node).waits.start.clear();
-                for &supplier in suppliers {
+                for &supplier in &setup.suppliers[node] {
                     let down = self.down(supplier as usize);
                     self.station(node).waits.start.push(down);
                 }
@@ -147,19 +159,18 @@ impl Run<'_> {
     }
 
     /// Ends the interval of a station, if there is one, before anything else is booked.
+    #[inline]
     pub(super) fn end_wait(&mut self, node: usize) {
-        let now = self.now;
-        let Place::Station(station) = &mut self.places[node] else {
-            return;
-        };
-        let waits = &mut station.waits;
-        let Some((activity, since)) = waits.interval.take() else {
-            return;
-        };
-        let seconds = now - since;
-        if seconds <= 0.0 {
-            return;
+        if let Place::Station(station) = &mut self.nodes[node].place
+            && let Some((activity, since)) = station.waits.interval.take()
+            && self.now > since
+        {
+            self.end_interval(node, activity, self.now - since);
         }
+    }
+
+    fn end_interval(&mut self, node: usize, activity: Activity, seconds: f64) {
+        let waits = &self.station(node).waits;
         if activity == Activity::Blocked {
             let (place, behind) = waits.blocker;
             let start = waits.start.first().copied();
@@ -171,9 +182,13 @@ impl Run<'_> {
             charge(causes, place, behind, seconds, down);
             return;
         }
-        waits.starved_seconds += seconds;
         let setup: &Setup = self.setup;
         let suppliers = &setup.suppliers[node];
+        let waits = &mut self.station(node).waits;
+        waits.starved_seconds += seconds;
+        if suppliers.is_empty() {
+            return;
+        }
         waits.starved_down.resize(suppliers.len(), Down::default());
         for (index, &supplier) in suppliers.iter().enumerate() {
             let down = self.down(supplier as usize);
@@ -188,10 +203,10 @@ impl Run<'_> {
         self.end_wait(node);
         let setup: &Setup = self.setup;
         let waits = &mut self.station(node).waits;
-        let seconds = std::mem::take(&mut waits.starved_seconds);
-        if seconds <= 0.0 {
+        if waits.starved_seconds <= 0.0 {
             return;
         }
+        let seconds = std::mem::take(&mut waits.starved_seconds);
         if let Some(supplier) = waits.supplier {
             let mut suppliers = setup.suppliers[node].iter();
             let index = suppliers.position(|other| *other == supplier);
@@ -200,12 +215,6 @@ impl Run<'_> {
             charge(&mut waits.starved, supplier, None, seconds, down);
         }
         waits.starved_down.clear();
-    }
-
-    /// Notes from where a part has come to a station.
-    pub(super) fn note_supplier(&mut self, node: usize, part: PartIndex) {
-        let supplier = self.parts[part].came_from;
-        self.station(node).waits.supplier = supplier;
     }
 
     /// The place for which the part of a station waits, the first one if there are several.
@@ -218,7 +227,7 @@ impl Run<'_> {
     /// The station at a place, or behind the full buffers and conveyors that begin there.
     fn station_behind(&self, mut place: usize) -> Option<usize> {
         for _ in 0..MAX_PLACES_BETWEEN {
-            match &self.places[place] {
+            match &self.nodes[place].place {
                 Place::Station(_) => return Some(place),
                 Place::Buffer(_) | Place::Conveyor(_) | Place::Belt(_) => {
                     place = self.awaited_place(place)?;
@@ -231,7 +240,7 @@ impl Run<'_> {
 
     /// The seconds for which a station has been down until now.
     fn down(&self, node: usize) -> Down {
-        let Place::Station(station) = &self.places[node] else {
+        let Place::Station(station) = &self.nodes[node].place else {
             return Down::default();
         };
         let seconds = |activity| station.clock.seconds_at(self.now, activity);

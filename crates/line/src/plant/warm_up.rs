@@ -67,11 +67,11 @@ impl Run<'_> {
     pub(super) fn end_warm_up(&mut self) {
         let now = self.now;
         self.counting_since = Some(now);
-        for node in 0..self.places.len() {
+        for node in 0..self.nodes.len() {
             self.end_wait(node);
         }
-        for place in &mut self.places {
-            match place {
+        for node in &mut self.nodes {
+            match &mut node.place {
                 Place::Station(station) => station.forget(now),
                 Place::Conveyor(conveyor) => conveyor.forget(now),
                 Place::Belt(belt) => {
@@ -83,14 +83,15 @@ impl Run<'_> {
                 Place::Sink | Place::Store(_) => {}
             }
         }
-        for node in 0..self.places.len() {
+        for node in 0..self.nodes.len() {
             self.begin_wait(node);
         }
         self.counters.forget(self.line, now, self.seed);
         let (Some(target), Some(product)) = (self.setup.target, self.line.only_product()) else {
             return;
         };
-        for (node, place) in self.line.nodes.iter().zip(&mut self.places) {
+        let places = self.nodes.iter_mut().map(|node| &mut node.place);
+        for (node, place) in self.line.nodes.iter().zip(places) {
             if let (
                 NodeKind::Source {
                     part,
