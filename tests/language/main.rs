@@ -19,6 +19,7 @@ mod spans;
 #[path = "../support/mod.rs"]
 mod support;
 mod table1;
+mod tables;
 #[path = "../fuzz/uf_value.rs"]
 mod uf_value;
 mod words;

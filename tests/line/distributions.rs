@@ -85,7 +85,9 @@ fn density(distribution: &Distribution) -> (Box<dyn Fn(f64) -> f64>, f64, f64) {
             let b = 1.0 + 4.0 * (high - mode) / (high - low);
             (Box::new(stretched(a, b, low, high)), low, high)
         }
-        Distribution::Constant(_) | Distribution::Discrete(_) => unreachable!("not continuous"),
+        Distribution::Constant(_) | Distribution::Discrete(_) | Distribution::Empirical(_) => {
+            unreachable!("not continuous")
+        }
     }
 }
 
@@ -267,6 +269,34 @@ fn discrete_draws_have_their_probabilities() {
     }
 }
 
+/// Rows with the same value add up. Draws have the probabilities of the empirical distribution.
+#[test]
+fn empirical_draws_are_rows_with_equal_probability() {
+    let rows = [0.5, 1.0, 1.0, 1.0, 2.0, 7.0, 7.0, 30.0];
+    let distribution = Distribution::Empirical(rows.into());
+    for seed in 1..=3 {
+        let drawn = draws(&distribution, seed);
+        let mut statistic = 0.0;
+        for (value, count) in [(0.5, 1.0), (1.0, 3.0), (2.0, 1.0), (7.0, 2.0), (30.0, 1.0)] {
+            let is_value = |d: &&f64| d.to_bits() == f64::to_bits(value);
+            let seen = drawn.iter().filter(is_value).count() as f64;
+            let expected = count / rows.len() as f64 * DRAWS as f64;
+            statistic += (seen - expected).powi(2) / expected;
+        }
+        // The 0.1 % critical value of chi-square with four degrees of freedom is 18.47. If a draw
+        // were no row, the sum would be far greater.
+        assert!(statistic < 18.47, "seed {seed}: {statistic}");
+    }
+    let bounds = (distribution.least(), distribution.greatest());
+    assert_eq!(bounds, (0.5, 30.0));
+    assert!(distribution.takes_time() && distribution.is_valid());
+    let with_zero = Distribution::Empirical([0.0, 1.0].into());
+    assert!(!with_zero.takes_time() && !with_zero.is_zero());
+    let unsorted = Distribution::Empirical([1.0, 0.0].into());
+    let empty = Distribution::Empirical([].into());
+    assert!(!unsorted.is_valid() && !empty.is_valid());
+}
+
 #[test]
 fn what_has_no_width_is_constant() {
     let constant = [
@@ -340,6 +370,8 @@ fn what_has_no_width_is_constant() {
             0.0,
         ),
         (Distribution::Discrete(vec![(2.0, 1.0)]), 2.0),
+        (Distribution::Empirical([2.0, 2.0].into()), 2.0),
+        (Distribution::Empirical([0.0].into()), 0.0),
     ];
     for (distribution, value) in constant {
         assert!(

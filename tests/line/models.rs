@@ -349,6 +349,13 @@ pub fn every(seconds: f64, limit: Option<u64>) -> Supply {
     }
 }
 
+/// One part at each of these instants.
+pub fn at(instants: &[f64]) -> Supply {
+    Supply::At {
+        instants: instants.into(),
+    }
+}
+
 /// A Poisson process with this mean time between parts.
 pub fn at_random(mean: f64, limit: Option<u64>) -> Supply {
     Supply::Every {

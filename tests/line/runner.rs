@@ -2,6 +2,7 @@
 //! no C.
 #![expect(clippy::float_cmp, reason = "the times of these lines are exact")]
 
+mod arrivals;
 mod belts;
 mod blocked;
 mod calendars;

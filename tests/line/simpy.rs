@@ -7,9 +7,9 @@
 //!
 //! Every entry of the movement log, one by one: its time, its place, what happened, and the type
 //! and number of the part. Times are equal to the last bit. The draws are therefore the same, too:
-//! the oracle has its own generator and its own constant, uniform, exponential and discrete times,
-//! defects and choices. Times from other distributions are drawn here by the public sampler, one
-//! table for each stream.
+//! the oracle has its own generator and its own constant, uniform, exponential, discrete and
+//! empirical times, defects and choices. Times from other distributions are drawn here by the
+//! public sampler, one table for each stream.
 //!
 //! # Ties
 //!
@@ -27,11 +27,12 @@
 //!
 //! # What the lines have
 //!
-//! Sources of every kind, with limits and with limits of parts in the line; one to three part types
-//! with properties; buffers of every order; stations with times by type, copies, setup, failures of
-//! every kind, new properties, defects, shifts with breaks and overtime; plain conveyors; joins;
-//! lists of places with every choice; conditions, rework, overflow, rejects and reorders. Stores,
-//! warm-ups, stations with machines and conveyors with contracts are left to other tests.
+//! Sources of every kind, also from tables, with limits and with limits of parts in the line; one
+//! to three part types with properties; buffers of every order; stations with times by type,
+//! copies, setup, failures of every kind, new properties, defects, shifts with breaks and overtime;
+//! plain conveyors; joins; lists of places with every choice; conditions, rework, overflow, rejects
+//! and reorders. Stores, warm-ups, stations with machines and conveyors with contracts are left to
+//! other tests.
 
 mod lines;
 
@@ -63,7 +64,11 @@ type Entry = (f64, String);
 fn run(line: &RandomLine) -> (Trace, Vec<Entry>) {
     let text = format!("line L {{\n{}}}\n", line.text);
     let files = [("line.lw".to_owned(), text)];
-    let (mut library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
+    let (mut library, findings) = load(&files, &|path, _| {
+        let mut tables = line.tables.iter();
+        let table = tables.find(|(name, _)| name == path);
+        table.cloned().ok_or("there is no such table".to_owned())
+    });
     assert!(!has_errors(&findings), "{}: {findings:?}", line.text);
     let options = Options {
         seed: line.seed,

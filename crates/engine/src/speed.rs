@@ -59,6 +59,7 @@ pub fn faster(distribution: &Distribution, speed: f64) -> Distribution {
         D::Discrete(ref outcomes) => {
             D::Discrete(outcomes.iter().map(|(value, p)| (by(*value), *p)).collect())
         }
+        D::Empirical(ref values) => D::Empirical(values.iter().map(|value| by(*value)).collect()),
     }
 }
 

@@ -26,11 +26,13 @@
 //!
 //! **Sources** hold the part that they made until there is room for it. The next part is due once
 //! the declared time has passed since that part was made. It is made when it is due, but not before
-//! the previous part has left. A source on order gets one order for each part of its type that the
-//! requested products need, plus the replacements for rejected parts; orders to a timed source
-//! raise its limit. A source with a limit of work in process makes no part while the number of
-//! parts of its type in the line equals the limit. The part that the source holds, and parts joined
-//! to others, count, too (CONWIP; Spearman, Woodruff and Hopp, 1990).
+//! the previous part has left. A part of a table is due at its instant, whenever the previous part
+//! was made; replacements that a sink orders come as soon as there is room. A source on order gets
+//! one order for each part of its type that the requested products need, plus the replacements for
+//! rejected parts; orders to a timed source raise its limit. A source with a limit of work in
+//! process makes no part while the number of parts of its type in the line equals the limit. The
+//! part that the source holds, and parts joined to others, count, too (CONWIP; Spearman, Woodruff
+//! and Hopp, 1990).
 //!
 //! **Stations** work on one part at a time and block after service. A task that joins has a place
 //! for each component of its bill. These places fill while the station works, and the task is ready

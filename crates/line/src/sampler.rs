@@ -6,6 +6,7 @@ use super::random::Stream;
 use linewright_language::contract::MAX_SECONDS;
 use linewright_language::contract::distribution::Distribution;
 use rand_distr::Distribution as _;
+use std::sync::Arc;
 
 /// A distribution with its stream of random numbers.
 #[derive(Debug, Clone)]
@@ -37,6 +38,8 @@ enum Shape {
     Pert(rand_distr::Pert<f64>),
     /// Values, each with the probability that the draw is this value or an earlier one.
     Discrete(Vec<(f64, f64)>),
+    /// Values with equal probabilities.
+    Empirical(Arc<[f64]>),
 }
 
 impl Sampler {
@@ -100,6 +103,7 @@ impl Sampler {
                 });
                 Shape::Discrete(sums.collect())
             }
+            Distribution::Empirical(ref values) => Shape::Empirical(Arc::clone(values)),
         };
         Self { shape, stream }
     }
@@ -131,6 +135,7 @@ impl Sampler {
                 // Rounding can leave the last sum just below 1.
                 drawn.or(outcomes.last()).map_or(0.0, |(value, _)| *value)
             }
+            Shape::Empirical(values) => values[stream.below(values.len() as u64) as usize],
         };
         seconds.clamp(0.0, MAX_SECONDS)
     }

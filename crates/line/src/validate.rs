@@ -8,11 +8,11 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::contract::calendar::WorkCalendar;
 use linewright_language::contract::distribution::Distribution;
-use linewright_language::contract::is_duration;
 use linewright_language::contract::line::{
     Belt, BufferOrder, Choice, InitialValue, Line, Node, NodeKind, Route, Supply, Task,
 };
 use linewright_language::contract::machine::{Between, Machine, RealExpr};
+use linewright_language::contract::{MAX_SECONDS, is_duration};
 
 /// Returns everything that prevents the runner from running this line. `has_controller` states
 /// whether a node has a controller.
@@ -105,8 +105,17 @@ impl Check<'_> {
                 self.require(self.is_part(*part), node.span, || {
                     format!("{name} makes an unknown part type")
                 });
-                if let Supply::Every { interval, .. } = supply {
-                    self.distribution(interval, node.span, name, "interval");
+                match supply {
+                    Supply::Every { interval, .. } => {
+                        self.distribution(interval, node.span, name, "interval");
+                    }
+                    Supply::At { instants } => {
+                        let sound = instants.iter().all(|at| (0.0..=MAX_SECONDS).contains(at));
+                        self.require(sound && instants.is_sorted(), node.span, || {
+                            format!("{name} has invalid instants")
+                        });
+                    }
+                    Supply::OnOrder => {}
                 }
             }
             NodeKind::Sink { reorder, .. } => {

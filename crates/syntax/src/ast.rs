@@ -9,7 +9,7 @@ pub use skills::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, Situation, Skill, SkillCalls,
     SkillComponent, SkillItem, SkillSet, Times,
 };
-pub use time::{Between, Failures, InterruptedWork, Outcome, TimeValue};
+pub use time::{Between, Column, Failures, InterruptedWork, Outcome, TimeValue};
 
 use super::binds;
 use linewright_core::source::Span;
@@ -31,6 +31,8 @@ pub struct File {
     /// Places of all items in source order, including items within others. Outer items come before
     /// inner ones.
     pub places: Vec<Span>,
+    /// Paths of the tables that the items name, with their places, in source order.
+    pub tables: Vec<Name>,
 }
 
 /// A top-level item.
@@ -898,6 +900,8 @@ pub enum Supply {
         /// Maximum number of parts in total.
         limit: Option<u64>,
     },
+    /// `at "orders.csv" column due in min`: one part at each instant of a column.
+    At(Column),
 }
 
 /// An item of a station.

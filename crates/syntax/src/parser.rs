@@ -680,6 +680,8 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::expression
             | Rule::duration
             | Rule::drawn
+            | Rule::empirical
+            | Rule::empirical_word
             | Rule::distribution
             | Rule::outcome
             | Rule::operators
@@ -746,6 +748,10 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::EOI => "the end of the item",
             Rule::set => "a set `{a, b}` or a range",
             Rule::string => "a path in quotes",
+            Rule::column => "a table, such as `\"times.csv\" column duration in s`",
+            Rule::column_word => "`column`",
+            Rule::header => "the header of a column",
+            Rule::on_order | Rule::every | Rule::at_column => "`every`, `on order` or `at`",
             Rule::open_brace => "`{`",
             Rule::open_bracket => "`[`",
             Rule::arrow => "`->`",

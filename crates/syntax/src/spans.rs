@@ -4,10 +4,10 @@
 mod skills;
 
 use super::ast::{
-    Argument, Between, BufferOrder, Component, ConstDecl, Contract, ContractItem, Counter, Define,
-    Domain, DomainKind, Expr, ExprKind, Failures, File, Header, Item, Line, LineItem, Machine,
-    MachineItem, Name, OperationCall, PartCount, Scope, Shift, StationItem, Stop, StopChoice,
-    Supply, TimeValue, TypeDecl, TypedDecl,
+    Argument, Between, BufferOrder, Column, Component, ConstDecl, Contract, ContractItem, Counter,
+    Define, Domain, DomainKind, Expr, ExprKind, Failures, File, Header, Item, Line, LineItem,
+    Machine, MachineItem, Name, OperationCall, PartCount, Scope, Shift, StationItem, Stop,
+    StopChoice, Supply, TimeValue, TypeDecl, TypedDecl,
 };
 use linewright_core::source::Span;
 
@@ -17,6 +17,7 @@ impl File {
     #[must_use]
     pub fn without_spans(mut self) -> Self {
         self.places.clear();
+        self.tables.clear();
         for item in &mut self.items {
             match item {
                 Item::Import(i) => i.span = Span::default(),
@@ -230,8 +231,10 @@ fn line(l: &mut Line) {
                 ..
             } => {
                 names([n, part]);
-                if let Supply::Every { interval, .. } = supply {
-                    duration(interval);
+                match supply {
+                    Supply::Every { interval, .. } => duration(interval),
+                    Supply::At(c) => column(c),
+                    Supply::OnOrder => {}
                 }
             }
             LineItem::Store { name: n, stock } => {
@@ -376,7 +379,15 @@ fn duration(d: &mut TimeValue) {
             }
             *span = Span::default();
         }
+        TimeValue::Empirical { column: c, span } => {
+            column(c);
+            *span = Span::default();
+        }
     }
+}
+
+fn column(c: &mut Column) {
+    names([&mut c.path, &mut c.header, &mut c.unit]);
 }
 
 fn failures(f: &mut Failures) {

@@ -23,10 +23,10 @@ impl<'a> FileView<'a> {
         sources
             .files()
             .map(|(id, file)| {
-                // A file that is imported by another tool's file has no declarations; its errors
-                // are errors of the importing file.
-                let imported =
-                    loaded.foreign(id).is_none() && Format::from_path(&file.name).is_some();
+                // A table, or a file that is imported by another tool's file, has no declarations;
+                // its errors are errors of the file that reads it.
+                let imported = loaded.library.tables.contains(&id)
+                    || loaded.foreign(id).is_none() && Format::from_path(&file.name).is_some();
                 let declarations = match loaded.foreign(id) {
                     Some(foreign) => vec![Declaration {
                         kind: Kind::Contract,

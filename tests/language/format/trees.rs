@@ -416,8 +416,15 @@ impl<'n> Choices<'n> {
     }
 
     fn duration(&mut self) -> TimeValue {
-        if self.maybe() {
-            return TimeValue::Value(self.expr());
+        match self.pick(4) {
+            0 | 1 => return TimeValue::Value(self.expr()),
+            2 => {
+                return TimeValue::Empirical {
+                    column: self.column(),
+                    span: Span::default(),
+                };
+            }
+            _ => {}
         }
         TimeValue::Drawn {
             name: name(["uniform", "normal", "discrete"][self.pick(3)]),
@@ -426,6 +433,20 @@ impl<'n> Choices<'n> {
                 weight: c.option(Self::expr),
             }),
             span: Span::default(),
+        }
+    }
+
+    fn column(&mut self) -> Column {
+        let quoted = self.maybe();
+        Column {
+            path: name(["times.csv", "../a b//c.csv"][self.pick(2)]),
+            header: if quoted {
+                name(["time in s", "due"][self.pick(2)])
+            } else {
+                self.plain()
+            },
+            quoted,
+            unit: name(["s", "min", "ms"][self.pick(3)]),
         }
     }
 
@@ -514,14 +535,14 @@ impl<'n> Choices<'n> {
             2 => LineItem::Source {
                 name: place,
                 part: self.plain(),
-                supply: if self.maybe() {
-                    Supply::OnOrder
-                } else {
-                    Supply::Every {
+                supply: match self.pick(4) {
+                    0 => Supply::OnOrder,
+                    1 => Supply::At(self.column()),
+                    _ => Supply::Every {
                         interval: self.duration(),
                         random: self.maybe(),
                         limit: self.option(Self::count),
-                    }
+                    },
                 },
                 most: self.option(Self::count),
             },
@@ -644,6 +665,7 @@ impl<'n> Choices<'n> {
         File {
             items,
             places: Vec::new(),
+            tables: Vec::new(),
         }
     }
 }

@@ -214,7 +214,10 @@ fn in_a_circle(trace: &Trace) -> bool {
 /// ordered again.
 fn is_bounded(line: &Line, trace: &Trace) -> bool {
     let ends = |kind: &NodeKind| match kind {
-        NodeKind::Source { supply, .. } => matches!(supply, Supply::Every { limit: Some(_), .. }),
+        NodeKind::Source { supply, .. } => matches!(
+            supply,
+            Supply::Every { limit: Some(_), .. } | Supply::At { .. }
+        ),
         NodeKind::Store { stock } => !stock.is_empty(),
         _ => false,
     };
@@ -253,6 +256,7 @@ fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
         let endless = match supply {
             Supply::OnOrder => ordered,
             Supply::Every { limit, .. } => limit.is_none(),
+            Supply::At { .. } => false,
         };
         if endless && !through.contains(part) && !is_bounded(line, trace) {
             let name = &line.parts[*part].name;

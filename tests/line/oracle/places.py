@@ -51,6 +51,10 @@ class Source(Place):
         super().__init__(line, node)
         self.due, self.due_at, self.scheduled = True, 0.0, False
         self.left = node["limit"]
+        self.instants, self.replacements = deque(node["at"] or []), 0
+        if self.instants:
+            self.left = len(self.instants)
+            self.take_instant()
         if node["every"] is None and node["limit"] is None and line.target is not None:
             if node["on_order"]:
                 self.left = line.target * max(1, line.content(line.product, node["type"]))
@@ -63,16 +67,32 @@ class Source(Place):
     def next_part(self):
         kind, most = self.node["type"], self.node["most"]
         full = most is not None and self.line.in_line[kind] >= most
-        if not self.due or self.left == 0 or full:
+        if not (self.due or self.replacements) or self.left == 0 or full:
             return None
         if self.left is not None:
             self.left -= 1
-        if self.node["every"]:
+        if self.replacements:
+            self.replacements -= 1
+        elif self.node["at"]:
+            if self.instants:
+                self.take_instant()
+                self.begin_run()
+            else:
+                self.due = False
+        elif self.node["every"]:
             self.due = False
             self.due_at = self.line.now + self.interval.draw()
             self.plan()
         self.line.in_line[kind] += 1
         return self.line.make(kind, {})
+
+    def take_instant(self):
+        self.due_at = self.instants.popleft()
+        self.due = self.due_at <= self.line.now
+
+    def begin_run(self):
+        if not self.due:
+            self.line.at(self.due_at, self.fall_due)
 
     def plan(self):
         if self.left != 0:
@@ -85,9 +105,12 @@ class Source(Place):
     def order(self, rejected):
         """A rejected part is made again."""
         stopped = self.left == 0 and not self.due
+        count = max(1, self.line.content(rejected.kind, self.node["type"]))
         if self.left is not None:
-            self.left += max(1, self.line.content(rejected.kind, self.node["type"]))
-        if stopped:
+            self.left += count
+        if self.node["at"]:
+            self.replacements += count
+        elif stopped:
             self.due_at = max(self.due_at, self.line.now)
             self.plan()
         self.line.look(self)

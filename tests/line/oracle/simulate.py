@@ -81,7 +81,7 @@ class Line(simpy.Environment):
 
     def simulate(self, until):
         for place in self.places.values():
-            if isinstance(place, Station):
+            if isinstance(place, (Source, Station)):
                 place.begin_run()
             self.look(place)
         while not self.ended and self.peek() <= until:

@@ -81,4 +81,7 @@ class Durations:
                 if unit < total:
                     break
             return value
+        if self.name == "empirical":
+            (values,) = self.parameters
+            return values[self.stream.below(len(values))]
         raise ValueError(self.name)

@@ -12,6 +12,8 @@ pub struct RandomLine {
     pub seed: u64,
     /// The body of the line, in the language.
     pub text: String,
+    /// Names and texts of the tables.
+    pub tables: Vec<(String, String)>,
     pub json: Value,
     pub parts: Option<u64>,
     pub until: f64,
@@ -53,6 +55,7 @@ struct Generator {
     seed: u64,
     until: f64,
     text: String,
+    tables: Vec<(String, String)>,
     nodes: Vec<Value>,
     routes: Vec<Value>,
     types: Vec<String>,
@@ -71,6 +74,7 @@ pub fn line(seed: u64) -> RandomLine {
         seed,
         until,
         text: String::new(),
+        tables: Vec::new(),
         nodes: Vec::new(),
         routes: Vec::new(),
         types: ["A", "B", "C"][..types]
@@ -104,7 +108,7 @@ impl Generator {
             let draws: Vec<f64> = (0..TABLE).map(|_| sampler.draw()).collect();
             json!(["table", draws])
         };
-        match self.chance.below(14) {
+        match self.chance.below(16) {
             0..=1 => (format!("{mode} s"), json!(["constant", mode])),
             2..=5 => (
                 format!("uniform({low} s, {high} s)"),
@@ -136,6 +140,14 @@ impl Generator {
                     mean: mode,
                 }),
             ),
+            13..=14 => {
+                let count = 1 + self.chance.below(30);
+                let rows: Vec<f64> = (0..count).map(|_| self.seconds(low, high)).collect();
+                let text = format!("empirical({})", self.table(&rows));
+                let mut sorted = rows;
+                sorted.sort_by(f64::total_cmp);
+                (text, json!(["empirical", sorted]))
+            }
             _ => (
                 format!("weibull(2, {high} s)"),
                 table(Distribution::Weibull {
@@ -144,6 +156,35 @@ impl Generator {
                 }),
             ),
         }
+    }
+
+    /// Makes a table of these numbers, and returns the text that names its column.
+    fn table(&mut self, numbers: &[f64]) -> String {
+        let name = format!("table{}.csv", self.tables.len());
+        let mut text = "note,time\n".to_owned();
+        for number in numbers {
+            let _ = writeln!(text, "x,{number}");
+        }
+        self.tables.push((name.clone(), text));
+        format!("\"{name}\" column time in s")
+    }
+
+    /// Instants of parts, some of them at the same time.
+    fn instants(&mut self) -> Vec<f64> {
+        let count = 1 + self.chance.below(60);
+        let mut time = if self.chance.percent(50) {
+            0.0
+        } else {
+            self.seconds(0.0, 5.0)
+        };
+        let mut instants = Vec::new();
+        for _ in 0..count {
+            instants.push(time);
+            if self.chance.percent(80) {
+                time = ((time + self.seconds(0.0, 8.0)) * 100.0).round() / 100.0;
+            }
+        }
+        instants
     }
 
     fn write(mut self) -> RandomLine {
@@ -189,6 +230,7 @@ impl Generator {
         RandomLine {
             seed: self.seed,
             text: self.text,
+            tables: self.tables,
             json,
             parts,
             until: self.until,
@@ -235,13 +277,16 @@ impl Generator {
             let name = format!("source{kind}");
             let (mut text, mut every, mut limit) = ("every 0 s".to_owned(), Value::Null, None);
             let on_order = self.chance.percent(10);
+            let at = (!on_order && self.chance.percent(20)).then(|| self.instants());
             if on_order {
                 "on order".clone_into(&mut text);
+            } else if let Some(instants) = &at {
+                text = format!("at {}", self.table(instants));
             } else if self.chance.percent(80) {
                 let (written, meant) = self.time(4.0, Purpose::Arrivals, &name);
                 (text, every) = (format!("every {written}"), meant);
             }
-            if !on_order && self.chance.percent(20) {
+            if !on_order && at.is_none() && self.chance.percent(20) {
                 limit = Some(10 + self.chance.below(30));
                 let _ = write!(text, " limit {}", limit.unwrap_or(0));
             }
@@ -250,10 +295,10 @@ impl Generator {
                 let _ = write!(text, ", at most {most} in the line");
             }
             self.say(&format!("source {name}: {kind} {text}"));
-            let timed = !every.is_null();
+            let timed = !every.is_null() || at.is_some();
             self.nodes.push(json!({
                 "name": name, "kind": "source", "type": kind, "every": every, "limit": limit,
-                "most": most, "on_order": on_order,
+                "most": most, "on_order": on_order, "at": at,
             }));
             sources.insert(kind, (name, timed));
         }
@@ -537,7 +582,7 @@ impl Generator {
             let timed = self
                 .nodes
                 .iter()
-                .find(|n| n["type"] == "A" && !n["every"].is_null());
+                .find(|n| n["type"] == "A" && !(n["every"].is_null() && n["at"].is_null()));
             let reorder = timed.is_some() && self.chance.percent(50);
             self.sink("bin", reorder.then_some("sourceA"), true);
         }

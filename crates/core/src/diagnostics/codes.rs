@@ -146,6 +146,7 @@ codes! {
     LINE_REFUSED = "LW414", "a station refuses a part";
     LINE_VALUE = "LW415", "a value leaves its range";
     LINE_TIMELESS = "LW416", "parts move without any time passing";
+    LINE_TABLE = "LW417", "a table of times cannot be used";
 
     COMPILER_MISSING = "LW501", "no C compiler was found";
     COMPILER_FAILED = "LW502", "the C compiler failed";

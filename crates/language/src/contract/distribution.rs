@@ -1,6 +1,7 @@
 //! Distributions of durations.
 
 use super::units::{MAX_SECONDS, is_duration};
+use std::sync::Arc;
 
 /// A probability distribution of durations, in seconds.
 ///
@@ -91,6 +92,9 @@ pub enum Distribution {
     },
     /// One of several durations, each with its probability; the probabilities add up to 1.
     Discrete(Vec<(f64, f64)>),
+    /// One of several observed durations, each with the same probability (the empirical
+    /// distribution); at least one, in ascending order.
+    Empirical(Arc<[f64]>),
 }
 
 /// No time.
@@ -110,6 +114,7 @@ impl Distribution {
     pub fn takes_time(&self) -> bool {
         match self {
             Self::Discrete(outcomes) => outcomes.iter().all(|(value, p)| *value > 0.0 || *p <= 0.0),
+            Self::Empirical(_) => self.least() > 0.0,
             other => other.greatest() > 0.0,
         }
     }
@@ -134,6 +139,7 @@ impl Distribution {
                 .filter(|(_, p)| *p > 0.0)
                 .map(|(value, _)| *value)
                 .fold(f64::INFINITY, f64::min),
+            Self::Empirical(ref values) => values.first().copied().unwrap_or(0.0),
         }
     }
 
@@ -156,6 +162,7 @@ impl Distribution {
                 .filter(|(_, p)| *p > 0.0)
                 .map(|(value, _)| *value)
                 .fold(0.0, f64::max),
+            Self::Empirical(ref values) => values.last().copied().unwrap_or(0.0),
         }
     }
 
@@ -189,6 +196,9 @@ impl Distribution {
                     .iter()
                     .all(|(value, p)| is_duration(*value) && (0.0..=1.0).contains(p))
                     && (total - 1.0).abs() <= PROBABILITY_TOLERANCE
+            }
+            Self::Empirical(ref values) => {
+                !values.is_empty() && seconds(values) && values.is_sorted()
             }
         }
     }

@@ -235,6 +235,11 @@ pub enum Supply {
         /// Maximum number of parts in total; `None` for no limit.
         limit: Option<u64>,
     },
+    /// One part at each of these instants.
+    At {
+        /// Seconds from the start of a run, in ascending order; at least one.
+        instants: Arc<[f64]>,
+    },
     /// Parts are made on order. There is one order for each end product of the run's limit
     /// (unlimited if only a time is given, or if the line has several end products), and one for
     /// each part that a sink reorders. An order is for as many parts as one product (or the
@@ -249,8 +254,8 @@ const ENDLESS_COUNT: u64 = 50_000;
 impl Line {
     /// Returns whether a node supplies parts of this type endlessly, each as soon as the previous
     /// one has left. This is true of a source without waiting time, and of a store with a large
-    /// stock. A source with a limit also counts as endless if a sink reorders from it, because each
-    /// order raises the limit.
+    /// stock. A source with a limit, or with given instants, also counts as endless if a sink
+    /// reorders from it, because each order raises the number of parts.
     pub fn is_endless(&self, node: usize, part: usize) -> bool {
         match &self.nodes[node].kind {
             NodeKind::Source { supply, .. } => match supply {
@@ -259,6 +264,12 @@ impl Line {
                     interval.is_zero()
                         && (limit.is_none_or(|n| n >= ENDLESS_COUNT)
                             || self.is_reordered_from(node))
+                }
+                // A replacement is made at once.
+                Supply::At { instants } => {
+                    let mut together = instants.chunk_by(|a, b| a >= b);
+                    together.any(|parts| parts.len() as u64 >= ENDLESS_COUNT)
+                        || self.is_reordered_from(node)
                 }
             },
             NodeKind::Store { stock } => {

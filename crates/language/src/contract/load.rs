@@ -3,6 +3,7 @@
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
 use super::set::{Changes, SettableNumber, Settings, Target};
+use super::table::Tables;
 use super::uses::{self, PossibleUses};
 use super::{Library, Loader, lines, machines, skills};
 use crate::order::Skills;
@@ -59,13 +60,14 @@ pub fn load_with(
         ..
     } = Reader::of(files, loader);
     let changes = set(&mut files, settings, &mut sources, &mut findings);
+    let tables = read_tables(&files, loader, &mut sources);
     let mut library = Library::default();
     let sets: Vec<Vec<Option<Arc<Skills>>>> = files
         .iter()
         .map(|file| skill_sets(&file.tree, &sources, &mut findings))
         .collect();
     for index in 0..files.len() {
-        let mut scope = Scope::with(&changes.variants);
+        let mut scope = Scope::with(&changes.variants, &tables);
         let mut own = Vec::new();
         for file in closure(&files, index) {
             scope.add(&files[file].tree, &sets[file], &mut own);
@@ -92,6 +94,7 @@ pub fn load_with(
         !(is_suspicious && f.span.is_some_and(holds))
     });
     library.sources = sources;
+    library.tables = tables.files();
     let malformed = files.iter().filter(|f| !f.syntax_errors.is_empty());
     library.malformed_files = malformed.map(|f| f.id).collect();
     // The same finding can occur several times, because several files can import its file, or
@@ -135,9 +138,26 @@ fn set(
     let changes = target.apply(settings.list, sources, findings);
     let items = target.items;
     let places = files[index].tree.places.clone();
-    let tree = ast::File { items, places };
+    let tables = files[index].tree.tables.clone();
+    let tree = ast::File {
+        items,
+        places,
+        tables: [tables, changes.tables.clone()].concat(),
+    };
     files[index].written = Some(std::mem::replace(&mut files[index].tree, tree));
     changes
+}
+
+/// Reads the tables that the files name.
+fn read_tables(files: &[File], loader: &Loader<'_>, sources: &mut SourceMap) -> Tables {
+    let mut tables = Tables::default();
+    for file in files {
+        let importer = sources.file(file.id).name.clone();
+        for path in &file.tree.tables {
+            tables.read(path, &importer, loader, sources);
+        }
+    }
+    tables
 }
 
 /// Finds the line with this name, first in the requested files; or else the only line of the

@@ -19,11 +19,13 @@ mod scope;
 pub mod set;
 mod shape;
 mod skills;
+mod table;
 mod units;
 mod uses;
 mod value;
 
 pub use load::{load, load_with, settable};
+pub use table::MAX_ROWS;
 pub use units::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration, is_energy};
 
 use crate::order::Skills;
@@ -55,6 +57,8 @@ pub struct Library {
     pub refused_skills: Vec<(String, Span)>,
     /// Files with syntax errors.
     pub malformed_files: Vec<FileId>,
+    /// Tables that statements name; the other sources are text of the language.
+    pub tables: Vec<FileId>,
 }
 
 /// A code of a standard's taxonomy: `din:4.3.1` or `vdi:Drehen`.
@@ -83,8 +87,8 @@ pub struct Contract {
     pub span: Span,
 }
 
-/// Function that reads imported files. Takes the target of an `import` (a path relative to the
-/// importing file, or the name of a bundled file such as `std.handling.turn`) and the name of the
-/// importing file. Returns the display name and the text, or the reason for the failure. Files with
-/// equal display names are the same file.
+/// Function that reads imported files and tables. Takes the target of an `import` (a path relative
+/// to the importing file, or the name of a bundled file such as `std.handling.turn`), or the path
+/// of a table, and the name of the importing file. Returns the display name and the text, or the
+/// reason for the failure. Files with equal display names are the same file.
 pub type Loader<'a> = dyn Fn(&str, &str) -> Result<(String, String), String> + 'a;

@@ -3,6 +3,7 @@
 use super::elaborate::{Elaborator, FileNames, Findings, Names, fitted_value};
 use super::set::Variants;
 use super::shape::Shape;
+use super::table::Tables;
 use super::units::Unit;
 use super::value::{Term, Type, Value};
 use crate::order::Skills;
@@ -20,6 +21,8 @@ pub(super) struct Scope<'a> {
     pub machines: BTreeMap<&'a str, &'a ast::Machine>,
     /// Machines that replace the declared ones at single places of a line.
     pub variants: Option<&'a Variants>,
+    /// The tables that statements name.
+    pub tables: Option<&'a Tables>,
     /// Skill sets; `None` for those that cannot be used because of errors.
     pub skills: BTreeMap<&'a str, Option<Arc<Skills>>>,
     types: Vec<&'a ast::TypeDecl>,
@@ -36,10 +39,12 @@ pub(super) struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
-    /// Creates a scope without declarations. `variants` replace declared machines at single places.
-    pub fn with(variants: &'a Variants) -> Self {
+    /// Creates a scope without declarations. `variants` replace declared machines at single places;
+    /// `tables` are those that statements name.
+    pub fn with(variants: &'a Variants, tables: &'a Tables) -> Self {
         Self {
             variants: Some(variants),
+            tables: Some(tables),
             ..Self::default()
         }
     }
@@ -120,7 +125,10 @@ impl<'a> Scope<'a> {
             constants: self.values.clone(),
             defines: self.defines.clone(),
         };
-        Elaborator::new(names)
+        Elaborator {
+            tables: self.tables,
+            ..Elaborator::new(names)
+        }
     }
 }
 

@@ -8,7 +8,9 @@
 use super::belt::{self, Room};
 use super::losses;
 use crate::undecided::UndecidedReason;
-use linewright_language::contract::line::{Belt, BufferOrder, Choice, Line, Node, NodeKind};
+use linewright_language::contract::line::{
+    Belt, BufferOrder, Choice, Line, Node, NodeKind, Supply,
+};
 use linewright_language::contract::machine::Between;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -636,9 +638,10 @@ fn endless(place: &Place) -> bool {
 fn kind(line: &Line, node: usize) -> PlaceKind {
     let leaves_again = |part: usize| line.routes.iter().any(|r| r.from == node && r.part == part);
     match &line.nodes[node].kind {
-        NodeKind::Source { part, most, .. } => PlaceKind::Supply {
+        NodeKind::Source { part, supply, most } => PlaceKind::Supply {
             part: *part,
-            always: line.is_endless(node, *part),
+            // Time passes between the instants of a table, even if many replacements do not wait.
+            always: !matches!(supply, Supply::At { .. }) && line.is_endless(node, *part),
             most: *most,
         },
         NodeKind::Sink { reject, .. } => PlaceKind::End {

@@ -39,6 +39,16 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                 text: format!("{name} continues beyond its limit of {n}"),
             }),
             NodeKind::Source {
+                supply: Supply::At { instants },
+                ..
+            } => found.push(Premise {
+                name: format!("more_from_{name}"),
+                text: format!(
+                    "{name} continues beyond the {} rows of its table",
+                    instants.len()
+                ),
+            }),
+            NodeKind::Source {
                 part,
                 supply: Supply::OnOrder,
                 ..

@@ -356,6 +356,9 @@ impl Run<'_> {
                         Supply::OnOrder if source.exhausted() => {
                             format!("{name} has made all {} that were ordered", source.made())
                         }
+                        Supply::At { .. } if source.exhausted() => {
+                            format!("{name} has made all {} of its table", source.made())
+                        }
                         _ if source.exhausted() => {
                             format!("{name} has made all {} of its limit", source.made())
                         }

@@ -249,7 +249,8 @@ fn machines(
     machines
 }
 
-/// Whether parts come from sources with an interval alone, and nothing limits their number.
+/// Whether parts come only from sources that have an interval or the instants of a table, and no
+/// limit of parts in the line.
 fn all_timed(line: &Line) -> bool {
     line.nodes.iter().all(|node| match &node.kind {
         NodeKind::Source {
@@ -257,6 +258,11 @@ fn all_timed(line: &Line) -> bool {
             most: None,
             ..
         } => !interval.is_zero(),
+        NodeKind::Source {
+            supply: Supply::At { .. },
+            most: None,
+            ..
+        } => true,
         NodeKind::Source { .. } => false,
         NodeKind::Store { stock } => stock.is_empty(),
         _ => true,

@@ -401,6 +401,7 @@ impl<'a> Run<'a> {
         }
         for node in 0..self.nodes.len() {
             self.schedule_failures(node);
+            self.schedule_arrival(node);
             self.look_at(node);
         }
         self.settle();

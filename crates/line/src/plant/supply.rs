@@ -7,6 +7,7 @@ use crate::sampler::Sampler;
 use crate::trace::EventKind;
 use linewright_language::contract::line::{NodeKind, Supply};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// State of a source. The part that it has made and that waits to leave is at its outlet.
 #[derive(Debug)]
@@ -15,8 +16,9 @@ pub(super) struct Source {
     made: u64,
     /// Number of parts still to make; `None` if unlimited.
     left_to_make: Option<u64>,
-    /// Draws the time between two parts; `None` if the source makes a part whenever there is room.
-    interval: Option<Sampler>,
+    timing: Timing,
+    /// Number of replacements still to make; only with given instants, which they do not use up.
+    replacements: u64,
     /// Whether the next part is due; if not, it is due at `next_due`.
     due: bool,
     next_due: f64,
@@ -29,23 +31,52 @@ pub(super) struct Source {
     lost: u64,
 }
 
+/// When the parts of a source are due.
+#[derive(Debug)]
+enum Timing {
+    /// Whenever there is room.
+    AtOnce,
+    /// When a time that is drawn has passed since the previous part was made.
+    Interval(Sampler),
+    /// At these instants.
+    At {
+        /// Seconds, in ascending order.
+        instants: Arc<[f64]>,
+        /// Index of the next part that is due, or will be.
+        next: usize,
+    },
+}
+
 impl Source {
     /// Creates a source. `orders` is the number of parts to make if the source is on order; `None`
     /// if unlimited.
     pub(super) fn new(name: &str, supply: &Supply, seed: u64, orders: Option<u64>) -> Self {
-        let (left_to_make, interval) = match supply {
-            Supply::OnOrder => (orders, None),
+        let (left_to_make, timing) = match supply {
+            Supply::OnOrder => (orders, Timing::AtOnce),
+            Supply::Every { interval, limit } if interval.is_zero() => (*limit, Timing::AtOnce),
             Supply::Every { interval, limit } => {
-                let draws = || Sampler::new(interval, stream(seed, Purpose::Arrivals, name));
-                (*limit, (!interval.is_zero()).then(draws))
+                let draws = Sampler::new(interval, stream(seed, Purpose::Arrivals, name));
+                (*limit, Timing::Interval(draws))
             }
+            Supply::At { instants } => {
+                let instants = Arc::clone(instants);
+                (
+                    Some(instants.len() as u64),
+                    Timing::At { instants, next: 0 },
+                )
+            }
+        };
+        let first = match &timing {
+            Timing::At { instants, .. } => instants.first().copied().unwrap_or(0.0),
+            Timing::AtOnce | Timing::Interval(_) => 0.0,
         };
         Self {
             made: 0,
             left_to_make,
-            interval,
-            due: true,
-            next_due: 0.0,
+            timing,
+            replacements: 0,
+            due: first <= 0.0,
+            next_due: first,
             waits_since: 0.0,
             blocked_seconds: 0.0,
             passed: 0,
@@ -84,6 +115,32 @@ impl Source {
     /// Sets the number of parts that are still to be made on order.
     pub(super) fn limit_orders(&mut self, count: u64) {
         self.left_to_make = Some(count);
+    }
+
+    /// Determines when the next part is due, after one that was not a replacement was made.
+    fn plan(&mut self, now: f64) {
+        match &mut self.timing {
+            Timing::AtOnce => {}
+            Timing::Interval(interval) => {
+                self.due = false;
+                self.next_due = now + interval.draw();
+            }
+            Timing::At { instants, next } => {
+                *next += 1;
+                let instant = instants.get(*next).copied();
+                self.due = instant.is_some_and(|instant| instant <= now);
+                self.next_due = instant.unwrap_or(now);
+            }
+        }
+    }
+
+    /// Whether a part will be due at `next_due`.
+    fn is_planned(&self) -> bool {
+        match &self.timing {
+            Timing::AtOnce => false,
+            Timing::Interval(_) => !self.exhausted(),
+            Timing::At { instants, next } => *next < instants.len(),
+        }
     }
 
     /// Whether the source will never make another part unless more are ordered.
@@ -148,7 +205,8 @@ impl Run<'_> {
             return None;
         };
         let full = most.is_some_and(|most| self.counters.in_line[part] >= u64::from(most));
-        if !source.due || source.exhausted() || full {
+        let is_replacement = source.replacements > 0;
+        if !(source.due || is_replacement) || source.exhausted() || full {
             return None;
         }
         source.made += 1;
@@ -156,16 +214,26 @@ impl Run<'_> {
         if let Some(left) = &mut source.left_to_make {
             *left -= 1;
         }
-        if let Some(interval) = &mut source.interval {
-            source.due = false;
-            source.next_due = self.now + interval.draw();
-            if !source.exhausted() {
-                let time = source.next_due;
-                self.schedule(time, WORK, Event::Due(node as u32));
-            }
+        if is_replacement {
+            source.replacements -= 1;
+        } else {
+            source.plan(self.now);
+            self.schedule_arrival(node);
         }
         self.counters.in_line[part] += 1;
         Some(self.parts.create(self.line, part, |_| None))
+    }
+
+    /// Schedules the next part of a source, if it is not due yet. Called at the start, and when a
+    /// part was made.
+    pub(super) fn schedule_arrival(&mut self, node: usize) {
+        if let Place::Source(source) = &self.places[node]
+            && !source.due
+            && source.is_planned()
+        {
+            let time = source.next_due;
+            self.schedule(time, WORK, Event::Due(node as u32));
+        }
     }
 
     /// Counts a part of this type, with everything it was joined from, as in the line. Parts that
@@ -189,13 +257,18 @@ impl Run<'_> {
     }
 
     /// Orders more parts from a source, in addition to its limit. A source with an interval keeps
-    /// to the interval. An unlimited source makes the parts anyway.
+    /// to the interval; one with given instants makes replacements as soon as it can. An unlimited
+    /// source makes the parts anyway.
     pub(super) fn order(&mut self, node: usize, count: u64) {
         let now = self.now;
         let Place::Source(source) = &mut self.nodes[node].place else {
             return;
         };
-        let stopped = source.exhausted() && !source.due;
+        let has_instants = matches!(source.timing, Timing::At { .. });
+        let stopped = source.exhausted() && !source.due && !has_instants;
+        if has_instants {
+            source.replacements = source.replacements.saturating_add(count);
+        }
         if let Some(left) = &mut source.left_to_make {
             *left = left.saturating_add(count);
         }

@@ -17,6 +17,13 @@ pub enum TimeValue {
         /// Place of the whole distribution.
         span: Span,
     },
+    /// `empirical("times.csv" column duration in s)`
+    Empirical {
+        /// The observed durations.
+        column: Column,
+        /// Place of the whole distribution.
+        span: Span,
+    },
 }
 
 impl TimeValue {
@@ -24,7 +31,7 @@ impl TimeValue {
     pub fn span(&self) -> Span {
         match self {
             Self::Value(value) => value.span,
-            Self::Drawn { span, .. } => *span,
+            Self::Drawn { span, .. } | Self::Empirical { span, .. } => *span,
         }
     }
 
@@ -36,7 +43,36 @@ impl TimeValue {
                 .iter()
                 .flat_map(|outcome| std::iter::once(&outcome.value).chain(&outcome.weight))
                 .collect(),
+            Self::Empirical { .. } => Vec::new(),
         }
+    }
+
+    /// The column of a table that the duration is drawn from.
+    pub fn column(&self) -> Option<&Column> {
+        match self {
+            Self::Empirical { column, .. } => Some(column),
+            Self::Value(_) | Self::Drawn { .. } => None,
+        }
+    }
+}
+
+/// `"times.csv" column duration in s`: a column of a CSV file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Path relative to the file with the statement. Its span includes the quotes.
+    pub path: Name,
+    /// Header of the column. Its span includes the quotes.
+    pub header: Name,
+    /// Whether the header is written in quotes.
+    pub quoted: bool,
+    /// Unit of the numbers.
+    pub unit: Name,
+}
+
+impl Column {
+    /// Place of the whole column.
+    pub fn span(&self) -> Span {
+        self.path.span.to(self.unit.span)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Builds lines: parts, places and routes.
 
 use super::super::ast::{
-    Between, BufferOrder, Copies, Days, Failures, Hours, InterruptedWork, Line, LineItem, Outcome,
-    PartCount, Shift, StationItem, Stop, StopChoice, Supply, TimeValue,
+    Between, BufferOrder, Column, Copies, Days, Failures, Hours, InterruptedWork, Line, LineItem,
+    Name, Outcome, PartCount, Shift, StationItem, Stop, StopChoice, Supply, TimeValue,
 };
 use super::super::parser::Rule;
 use super::expression::binary_op;
@@ -107,17 +107,19 @@ impl Builder {
                 let name = self.name(&c.next());
                 let part = self.name(&c.next());
                 let supply = c.next();
-                let supply = if supply.as_rule() == Rule::on_order {
-                    Supply::OnOrder
-                } else {
-                    let mut c = Children::of(supply);
-                    let random = c.take(Rule::random).is_some();
-                    let interval = self.duration(c.next());
-                    let limit = c.take(Rule::integer).map(|i| self.count(&i));
-                    Supply::Every {
-                        interval,
-                        random,
-                        limit,
+                let supply = match supply.as_rule() {
+                    Rule::on_order => Supply::OnOrder,
+                    Rule::at_column => Supply::At(self.column(Children::of(supply).next())),
+                    _ => {
+                        let mut c = Children::of(supply);
+                        let random = c.take(Rule::random).is_some();
+                        let interval = self.duration(c.next());
+                        let limit = c.take(Rule::integer).map(|i| self.count(&i));
+                        Supply::Every {
+                            interval,
+                            random,
+                            limit,
+                        }
                     }
                 };
                 let most = c.take(Rule::in_line).map(|most| self.at_most(most));
@@ -358,11 +360,16 @@ impl Builder {
     /// Builds a duration: a value or a distribution.
     pub(super) fn duration(&mut self, pair: Pair<'_, Rule>) -> TimeValue {
         let inner = Children::of(pair).next();
-        if inner.as_rule() != Rule::drawn {
+        let span = self.span(&inner);
+        let rule = inner.as_rule();
+        if !matches!(rule, Rule::drawn | Rule::empirical) {
             return TimeValue::Value(self.expr(inner));
         }
-        let span = self.span(&inner);
         let mut c = Children::of(inner);
+        if c.take(Rule::empirical_word).is_some() {
+            let column = self.column(c.next());
+            return TimeValue::Empirical { column, span };
+        }
         let name = self.name(&c.next());
         let mut outcomes = Vec::new();
         while let Some(outcome) = c.take(Rule::outcome) {
@@ -376,6 +383,30 @@ impl Builder {
             name,
             outcomes,
             span,
+        }
+    }
+
+    /// Builds a column of a table, and adds the table to those of the file.
+    fn column(&mut self, pair: Pair<'_, Rule>) -> Column {
+        let mut c = Children::of(pair);
+        let path = self.unquoted(&c.next());
+        c.take(Rule::column_word);
+        let header = Children::of(c.next()).next();
+        self.tree.tables.push(path.clone());
+        Column {
+            path,
+            quoted: header.as_rule() == Rule::string,
+            header: self.unquoted(&header),
+            unit: self.name(&c.next()),
+        }
+    }
+
+    /// Builds a name from a word, or from a text in quotes.
+    fn unquoted(&self, pair: &Pair<'_, Rule>) -> Name {
+        let name = self.name(pair);
+        Name {
+            text: name.text.trim_matches('"').to_owned(),
+            ..name
         }
     }
 

@@ -219,6 +219,10 @@ impl Printer<'_> {
     fn supply(&mut self, supply: &Supply) {
         match supply {
             Supply::OnOrder => self.put(" on order"),
+            Supply::At(column) => {
+                self.put(" at ");
+                self.column(column);
+            }
             Supply::Every {
                 interval,
                 random,

@@ -1,8 +1,8 @@
 //! Prints machines.
 
 use super::super::ast::{
-    Between, Binding, Component, Expr, Failures, InterruptedWork, Machine, MachineItem, Outcome,
-    Role, TimeValue, TypedDecl,
+    Between, Binding, Column, Component, Expr, Failures, InterruptedWork, Machine, MachineItem,
+    Name, Outcome, Role, TimeValue, TypedDecl,
 };
 use super::printer::Printer;
 use linewright_core::source::Span;
@@ -128,7 +128,30 @@ impl Printer<'_> {
                 self.list(outcomes, |o| o.value.span, Self::outcome);
                 self.put(")");
             }
+            TimeValue::Empirical { column, .. } => {
+                self.put("empirical(");
+                self.column(column);
+                self.put(")");
+            }
         }
+    }
+
+    pub(super) fn column(&mut self, column: &Column) {
+        self.quoted(&column.path);
+        self.put(" column ");
+        if column.quoted {
+            self.quoted(&column.header);
+        } else {
+            self.name(&column.header);
+        }
+        self.put(" in ");
+        self.name(&column.unit);
+    }
+
+    /// Prints a text in quotes.
+    fn quoted(&mut self, text: &Name) {
+        self.before(text.span);
+        self.put(&format!("\"{}\"", text.text));
     }
 
     fn outcome(&mut self, outcome: &Outcome) {

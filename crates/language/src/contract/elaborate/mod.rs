@@ -27,6 +27,7 @@ pub(super) use names::{FileNames, Names};
 pub(super) use units::{fitted, fitted_value};
 pub(super) use variables::VariableTable;
 
+use super::table::Tables;
 use super::value::{Dimension, Term, Type, Value};
 use expansion::{Expansion, MAX_FORMULA_DEPTH};
 use linewright_core::diagnostics::codes;
@@ -74,6 +75,8 @@ pub(super) struct Elaborator<'a> {
     pub findings: Findings,
     /// Cost of expanding defines, quantifiers and arrays so far.
     pub expansion: Expansion,
+    /// The tables that statements name.
+    pub tables: Option<&'a Tables>,
 }
 
 impl<'a> Elaborator<'a> {

@@ -9,6 +9,7 @@ use crate::contract::machine::{Machine, RealExpr};
 use crate::contract::machines::{duration, machine, non_negative, random_duration};
 use crate::contract::metric::PlaceKind;
 use crate::contract::scope::duplicate_statement;
+use crate::contract::table;
 use crate::contract::value::{Dimension, Value};
 use crate::contract::{MAX_SECONDS, MIN_SECONDS, is_duration};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -43,6 +44,9 @@ impl<'a> Builder<'a, '_> {
                 };
                 let supply = match supply {
                     ast::Supply::OnOrder => Some(Supply::OnOrder),
+                    ast::Supply::At(column) => {
+                        table::instants(&mut self.e, column).map(|instants| Supply::At { instants })
+                    }
                     ast::Supply::Every {
                         interval,
                         random,
@@ -176,7 +180,9 @@ impl<'a> Builder<'a, '_> {
     fn interval(&mut self, written: &'a ast::TimeValue, random: bool) -> Option<Distribution> {
         match written {
             ast::TimeValue::Value(_) if random => random_duration(&mut self.e, written),
-            ast::TimeValue::Drawn { span, .. } if random => {
+            ast::TimeValue::Drawn { span, .. } | ast::TimeValue::Empirical { span, .. }
+                if random =>
+            {
                 self.e.findings.error_with(
                     codes::ARGUMENT,
                     *span,

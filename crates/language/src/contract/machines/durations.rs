@@ -5,13 +5,14 @@ use crate::contract::distribution::{Distribution, PROBABILITY_TOLERANCE, is_shap
 use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{Between, FailureMode, InterruptedWork};
 use crate::contract::scope::{duplicate_name, duplicate_statement};
+use crate::contract::table;
 use crate::contract::value::Dimension;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, ExprKind, Outcome, TimeValue};
 
 /// A distribution's name, an example, and what its parameters are.
-const DISTRIBUTIONS: [(&str, &str, &str); 12] = [
+const DISTRIBUTIONS: [(&str, &str, &str); 13] = [
     ("constant", "constant(2 s)", "the duration"),
     ("uniform", "uniform(1 s, 3 s)", "minimum, maximum"),
     (
@@ -44,6 +45,11 @@ const DISTRIBUTIONS: [(&str, &str, &str); 12] = [
         "discrete(2 s: 90 %, 30 s: 10 %)",
         "values with their probabilities",
     ),
+    (
+        "empirical",
+        "empirical(\"times.csv\" column duration in s)",
+        "a column of a CSV file, and the unit of its numbers",
+    ),
 ];
 
 /// Maximum number of stages of an Erlang distribution.
@@ -61,6 +67,7 @@ pub(in crate::contract) fn duration<'a>(
             outcomes,
             span,
         } => drawn(e, name, outcomes, *span),
+        TimeValue::Empirical { column, .. } => table::empirical(e, column),
     }
 }
 
@@ -71,7 +78,7 @@ pub(in crate::contract) fn random_duration<'a>(
 ) -> Option<Distribution> {
     match written {
         TimeValue::Value(value) => single(e, value).map(|mean| Distribution::Exponential { mean }),
-        TimeValue::Drawn { .. } => duration(e, written),
+        TimeValue::Drawn { .. } | TimeValue::Empirical { .. } => duration(e, written),
     }
 }
 
@@ -80,6 +87,17 @@ fn single<'a>(e: &mut Elaborator<'a>, value: &'a ast::Expr) -> Option<f64> {
     if let ExprKind::Call(name, _) = &value.kind
         && !["min", "max", "abs"].contains(&name.text.as_str())
     {
+        if let Some((_, example, parameters)) =
+            DISTRIBUTIONS.iter().find(|(word, ..)| *word == name.text)
+        {
+            e.findings.error_with(
+                codes::ARGUMENT,
+                value.span,
+                format!("`{}` does not take these parameters", name.text),
+                format!("write `{example}`: {parameters}"),
+            );
+            return None;
+        }
         let known = DISTRIBUTIONS.iter().map(|(word, ..)| *word);
         let help = match nearest(&name.text, known.clone()) {
             Some(near) => format!("did you mean `{near}`?"),

@@ -103,6 +103,8 @@ pub(super) struct Target<'t> {
 pub(super) struct Changes {
     /// The machines that replace shared ones.
     pub variants: Variants,
+    /// The tables that the new values name.
+    pub tables: Vec<ast::Name>,
     /// Where the resolver may report a wrong value, and the place of the option's value.
     moved: Vec<(Span, Span)>,
 }
@@ -216,6 +218,10 @@ impl Target<'_> {
                     let at = known[slot].reported_at;
                     let value_span = setting.value_span(file);
                     changes.moved.extend(at.map(|at| (at, value_span)));
+                    if let Value::Time(time, _) = &value {
+                        let column = time.column();
+                        changes.tables.extend(column.map(|c| c.path.clone()));
+                    }
                     values.insert(slot, value);
                 }
                 Err(found) => findings.extend(found),
