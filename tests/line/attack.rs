@@ -93,6 +93,7 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
     let mut batch = machines::batch(chance, MACHINES_A_BATCH);
     let cache = folder.join("cache");
     let file = folder.join(format!("attack-{seed}.lw"));
+    std::fs::write(folder.join("arrivals.csv"), lines::ARRIVALS).expect("a file");
     let judged = |text: &str, table: &mut Table| -> Option<Report> {
         std::fs::write(&file, text).expect("a file");
         let report = judge(&file, &cache);

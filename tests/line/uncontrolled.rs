@@ -5,11 +5,17 @@ use linewright::contract::load;
 use linewright::game::Limits;
 use linewright::line::calls::{Bounds, Calls, examine};
 
-/// Follows the parts of a line with this body.
+/// Follows the parts of a line with this body. The name of a table is its content: `0 1 1.csv`.
 fn follow(body: &str) -> Calls {
     let text = format!("line L {{ {body} }}");
     let files = [("line.lw".to_owned(), text.clone())];
-    let (library, _) = load(&files, &|_, _| Err("no imports".to_owned()));
+    let (library, _) = load(&files, &|path, _| match path.split_once(".csv") {
+        Some((table, "")) => Ok((
+            path.to_owned(),
+            format!("t\n{}\n", table.replace(' ', "\n")),
+        )),
+        _ => Err("no imports".to_owned()),
+    });
     assert_eq!(library.lines.len(), 1, "{text}");
     let bounds = Bounds {
         values: 1_000,
@@ -95,8 +101,11 @@ fn work_without_time_is_found() {
     }
     let discrete = "discrete(0 s: 1 %, 1 s: 99 %)";
     assert_eq!(looping(discrete), Some((false, vec![1])));
+    let empirical = "empirical(\"0 1 2.csv\" column t in s)";
+    assert_eq!(looping(empirical), Some((false, vec![1])));
     for time in [
         "1 s",
+        "empirical(\"1 1 2.csv\" column t in s)",
         "uniform(0 s, 1 s)",
         "exponential(1 s)",
         "discrete(0 s: 0 %, 1 s: 100 %)",
@@ -104,4 +113,32 @@ fn work_without_time_is_found() {
     ] {
         assert_eq!(looping(time), None, "{time}");
     }
+}
+
+/// Parts of a table follow one another at once only if very many come together, or if a sink that
+/// they reach at once orders replacements.
+#[test]
+fn many_parts_at_one_instant_are_found() {
+    let calls = |instants: &str, sinks: &str| {
+        follow(&format!(
+            "part P {{ property v: 0..3 = 0 }}
+             source a: P at \"{instants}.csv\" column t in min
+             station s {{ takes 1 s }}
+             sink k
+             {sinks}
+             route P: a -> s, bin
+             route P: s -> k"
+        ))
+    };
+    let ends = |calls: Calls| calls.timeless.map(|found| (found.from, found.to));
+    let rejects = "sink bin rejects sink other rejects reorder a route P: s -> other when v = 1";
+    assert_eq!(ends(calls("0 0 1", rejects)), None);
+    let reorders = "sink bin rejects reorder a";
+    assert_eq!(ends(calls("0 0 1", reorders)), Some((0, 3)));
+    let together = |count: usize| vec!["7"; count].join(" ");
+    assert_eq!(ends(calls(&together(49_999), "sink bin rejects")), None);
+    assert_eq!(
+        ends(calls(&together(50_000), "sink bin rejects")),
+        Some((0, 3))
+    );
 }

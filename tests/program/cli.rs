@@ -18,3 +18,4 @@ mod places;
 mod replications;
 mod session;
 mod settings;
+mod tables;

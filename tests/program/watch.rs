@@ -299,6 +299,42 @@ fn a_closed_pipe_ends_it() {
     assert_eq!(output.status.code(), Some(0));
 }
 
+/// A table belongs to the line that names it, also if it does not exist yet.
+#[test]
+fn a_table_is_watched() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let line = "line L {
+    part P
+    source s: P at \"data/orders.csv\" column due in min
+    buffer b capacity 5
+    sink e
+    route P: s -> b -> e
+}
+";
+    write(folder, "line.lw", line);
+    std::fs::create_dir(folder.join("data")).expect("a folder");
+    let mut watching = Watching::start(folder, &["line.lw", "--format", "json"]);
+    let mut verdict = |wanted: &str| -> Value {
+        let text = watching.line(wanted, |line| {
+            let document: Value = serde_json::from_str(line).expect("one document a line");
+            document["lines"][0]["verdict"] == wanted
+        });
+        serde_json::from_str(&text).expect("a document")
+    };
+    verdict("invalid");
+    appear(folder, "data/orders.csv", "due\n1\n2\n");
+    verdict("valid");
+    write(folder, "data/orders.csv", "due\n2\n1\n");
+    let document = verdict("invalid");
+    assert_eq!(changes(&document), [("data/orders.csv", "changed")]);
+    let finding = &document["findings"][0];
+    assert_eq!(
+        (text(finding, "code"), &finding["span"]["line"]),
+        ("LW417", &3.into())
+    );
+}
+
 #[test]
 fn one_document_for_many_checks_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

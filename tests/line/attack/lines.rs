@@ -141,6 +141,9 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch) -> String {
     text.0
 }
 
+/// The table `arrivals.csv`, beside the files with the lines.
+pub const ARRIVALS: &str = "at\n0\n0\n0\n0.5\n7\n30\n30\n90\n91.25\n300\n";
+
 fn supply(chance: &mut Chance, name: &str, part: &str) -> String {
     if chance.percent(6) {
         return format!("store {name}: {} {part}", 1 + chance.below(12));
@@ -149,6 +152,7 @@ fn supply(chance: &mut Chance, name: &str, part: &str) -> String {
         0..4 => "on order".to_owned(),
         4 | 5 => format!("every {} s", chance.pick(&["1", "5", "20", "60"])),
         6 => format!("every random {} s", chance.pick(&["5", "20"])),
+        _ if chance.percent(50) => "at \"arrivals.csv\" column at in s".to_owned(),
         _ => format!("every 10 s limit {}", 3 + chance.below(20)),
     };
     let most = if chance.percent(15) {

@@ -251,6 +251,12 @@ pub enum Supply {
 /// movements at one instant as an error, and each part can move several times.
 const ENDLESS_COUNT: u64 = 50_000;
 
+/// Whether [`ENDLESS_COUNT`] of these instants, in ascending order, or more are the same.
+fn come_together(instants: &[f64]) -> bool {
+    let mut together = instants.chunk_by(|a, b| a >= b);
+    together.any(|parts| parts.len() as u64 >= ENDLESS_COUNT)
+}
+
 impl Line {
     /// Returns whether a node supplies parts of this type endlessly, each as soon as the previous
     /// one has left. This is true of a source without waiting time, and of a store with a large
@@ -266,11 +272,7 @@ impl Line {
                             || self.is_reordered_from(node))
                 }
                 // A replacement is made at once.
-                Supply::At { instants } => {
-                    let mut together = instants.chunk_by(|a, b| a >= b);
-                    together.any(|parts| parts.len() as u64 >= ENDLESS_COUNT)
-                        || self.is_reordered_from(node)
-                }
+                Supply::At { instants } => come_together(instants) || self.is_reordered_from(node),
             },
             NodeKind::Store { stock } => {
                 let of_part = stock.iter().filter(|(p, _)| *p == part);
@@ -278,6 +280,20 @@ impl Line {
             }
             _ => false,
         }
+    }
+
+    /// Returns whether no part follows at once if those of a source leave the line at this end: the
+    /// source has given instants, and the end does not order replacements from it.
+    pub fn ends_supply(&self, source: usize, end: usize) -> bool {
+        let NodeKind::Source {
+            supply: Supply::At { instants },
+            ..
+        } = &self.nodes[source].kind
+        else {
+            return false;
+        };
+        let reorders = matches!(self.nodes[end].kind, NodeKind::Sink { reorder, .. } if reorder == Some(source));
+        !reorders && !come_together(instants)
     }
 
     /// Returns a metric with its unit, for tables: `busy share of capper`.

@@ -238,7 +238,10 @@ impl Timed<'_> {
         let mut ends = BTreeSet::new();
         while let Some(at) = open.pop() {
             if is_end(at) {
-                ends.insert((origin[at], self.vertex(at).node));
+                let end = self.vertex(at).node;
+                if origin[at].is_some_and(|from| !self.walk.line.ends_supply(from, end)) {
+                    ends.insert((origin[at], end));
+                }
                 continue;
             }
             for edge in self.edges[at].iter().filter(|e| e.free) {
