@@ -114,7 +114,7 @@ fn seconds(e: &mut Elaborator<'_>, column: &Column, meaning: Meaning) -> Option<
                 codes::LINE_TABLE,
                 column.path.span,
                 format!("cannot read the table `{}`: {why}", column.path.text),
-                "write the path of a CSV file, relative to the file with this statement",
+                "write the path of a CSV file, relative to the file with the line or machine",
             );
             return None;
         }
