@@ -109,7 +109,11 @@ fn seconds(e: &mut Elaborator<'_>, column: &Column, meaning: Meaning) -> Option<
         .and_then(|tables| tables.by_place.get(&column.path.span));
     let table = match known {
         Some(Ok(table)) => table,
-        Some(Err(why)) => {
+        other => {
+            let why = match other {
+                Some(Err(why)) => why.as_str(),
+                _ => "nothing has loaded it",
+            };
             e.findings.error_with(
                 codes::LINE_TABLE,
                 column.path.span,
@@ -118,7 +122,6 @@ fn seconds(e: &mut Elaborator<'_>, column: &Column, meaning: Meaning) -> Option<
             );
             return None;
         }
-        None => return None,
     };
     let mut reader = Reader {
         table,
