@@ -5,6 +5,7 @@
 //! the rule for its first word. The error of the second parse states the expected tokens and their
 //! place.
 
+mod lines;
 mod skills;
 
 use super::ast::File;
@@ -174,10 +175,7 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return Diagnostic::error(codes::SYNTAX, span, "times of day are hours after midnight")
             .with_help("write `shift 6 h to 14 h`; half past six is `6.5 h`");
     }
-    if in_line
-        && matches!(first.as_str(), "on" | "break" | "finish")
-        && let Some(finding) = explain_after(SHIFT, Rule::only_line_item, file, start, text)
-    {
+    if let Some(finding) = lines::explain(file, start, text, context) {
         return finding;
     }
     let rule = match (context, first.as_str()) {
@@ -313,9 +311,6 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     )
     .with_help(help)
 }
-
-/// A shift without options.
-const SHIFT: &str = "shift 0 h to 24 h ";
 
 /// Explains an error in a piece that was meant to continue the statement `before`, with this rule
 /// for the whole. Returns `None` if it does continue it.
@@ -542,7 +537,8 @@ fn finding_of(
             (
                 expectations(positives),
                 hint.or_else(|| scope_hint(positives))
-                    .or_else(|| metric_hint(&text[..at], positives)),
+                    .or_else(|| metric_hint(&text[..at], positives))
+                    .or_else(|| lines::failures_hint(&text[..at], &word, positives)),
             )
         }
         ErrorVariant::CustomError { message } => (message.clone(), None),

@@ -250,7 +250,7 @@ impl Elaborator<'_> {
             ),
             Some(near) => format!("did you mean `{near}`?"),
             None if self.dialect.real && DISTRIBUTIONS.contains(&name) => {
-                "only the times of a source can be random: `every random 20 s`".to_owned()
+                "write a distribution with its parameters: `takes exponential(20 s)`, `every erlang(3, 20 s)`; `random` is for sources: `every random 20 s`".to_owned()
             }
             None => "declare it, or import the file that declares it".to_owned(),
         };
