@@ -62,25 +62,60 @@ pub fn all(program: &Command) -> Vec<Topic> {
 
 /// The topics that have exactly this name. If there are none, the constructs with this word in a
 /// name, or with this keyword in their grammar. If there are none either, the constructs with a
-/// table that has a row for this word.
+/// table that has a row for this word; then the commands with this option; then the construct whose
+/// text has this word or these words most often.
 pub fn find(mut topics: Vec<Topic>, name: &str) -> Vec<Topic> {
     let keyword = format!("k_{name}");
+    let word_rule = format!("{name}_word");
     let is_name = |topic: &Topic| topic.keys.iter().any(|key| key == name);
     let has_word = |topic: &Topic| {
         let mut words = topic.keys.iter().flat_map(|key| key.split_whitespace());
         let mut rules = topic.page.split(|c: char| !c.is_alphanumeric() && c != '_');
         topic.kind == Kind::Construct
-            && (words.any(|word| word == name) || rules.any(|rule| rule == keyword))
+            && (words.any(|word| word == name)
+                || rules.any(|rule| rule == keyword || rule == word_rule))
     };
     let has_row = |topic: &Topic| {
         let rows = topic.page.lines().filter_map(|l| l.strip_prefix("| `"));
         let mut entries = rows.filter_map(|row| row.strip_prefix(name));
         topic.kind == Kind::Construct && entries.any(|rest| rest.starts_with(['`', '(']))
     };
-    let matches: [&dyn Fn(&Topic) -> bool; 3] = [&is_name, &has_word, &has_row];
+    let option = format!("--{}", name.trim_start_matches('-'));
+    let has_option = |topic: &Topic| {
+        let mut words = topic.page.split_whitespace();
+        topic.kind == Kind::Command && words.any(|word| word == option)
+    };
+    let constructs = topics.iter().filter(|t| t.kind == Kind::Construct);
+    let most = constructs.map(|topic| mentions(&topic.page, name)).max();
+    let mentions_it = |topic: &Topic| {
+        let count = mentions(&topic.page, name);
+        topic.kind == Kind::Construct && count > 0 && Some(count) == most
+    };
+    let matches: [&dyn Fn(&Topic) -> bool; 5] =
+        [&is_name, &has_word, &has_row, &has_option, &mentions_it];
     let first = matches.into_iter().find(|fits| topics.iter().any(fits));
     topics.retain(|topic| first.is_some_and(|fits| fits(topic)));
     topics
+}
+
+/// How often the text of a page, without its blocks of code, has this word or these words. Hyphens
+/// and underscores separate words.
+fn mentions(page: &str, name: &str) -> usize {
+    let mut fenced = false;
+    let prose = page.lines().filter(|line| {
+        let is_fence = line.starts_with("```");
+        fenced ^= is_fence;
+        !fenced && !is_fence
+    });
+    let prose: Vec<&str> = prose.flat_map(words).collect();
+    let name: Vec<&str> = words(name).collect();
+    let found = prose.windows(name.len().max(1));
+    found.filter(|found| *found == name.as_slice()).count()
+}
+
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
 }
 
 /// All names of topics, for suggestions.
@@ -158,5 +193,8 @@ mod tests {
         );
         assert!(found("no").is_empty());
         assert!(found("general").is_empty());
+        // Words of the text, and not of examples.
+        assert_eq!(found("Repairs"), found("mttr"));
+        assert!(found("x").is_empty());
     }
 }
