@@ -2,6 +2,7 @@
 
 use super::json::{estimate, round};
 use super::table::{columns, interval};
+use linewright_language::contract::metric::Measure;
 use linewright_line::comparison::Comparison;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -32,7 +33,8 @@ pub fn what_if_table(variant: &Variant, comparisons: &[Comparison]) -> String {
             round(*speed, 4)
         );
     }
-    let rows: Vec<Vec<String>> = comparisons.iter().map(row).collect();
+    let shown = comparisons.iter().filter(|c| !is_unused_energy(c));
+    let rows: Vec<Vec<String>> = shown.map(row).collect();
     let pairs = comparisons.iter().map(|c| c.pairs).max().unwrap_or(0);
     let title = format!("same seeds, {pairs} pairs");
     columns(
@@ -49,6 +51,15 @@ pub fn what_if_table(variant: &Variant, comparisons: &[Comparison]) -> String {
         &rows,
     );
     out
+}
+
+/// Whether it compares the energy of a line that uses none.
+fn is_unused_energy(comparison: &Comparison) -> bool {
+    let of_energy = matches!(
+        comparison.measure,
+        Measure::Energy | Measure::EnergyPerProduct
+    );
+    of_energy && comparison.as_it_is == 0.0 && comparison.what_if == 0.0
 }
 
 fn row(comparison: &Comparison) -> Vec<String> {

@@ -25,19 +25,25 @@ impl Changes {
     /// else is set as by `--set`, and replaces a number that `--set` has set by the same name.
     ///
     /// # Errors
-    /// Returns a message if a percentage is not greater than -100 %, or if a station has two.
+    /// Returns a message if a percentage is not greater than -100 %, or has no `%`, or if a station
+    /// has two.
     pub fn new(what_if: &[Setting], set: &[Setting], line: &Line) -> Result<Self, String> {
         let mut changes = Self::default();
         let mut numbers = Vec::new();
         for change in what_if {
             let (name, value) = (change.name(), change.value());
             let stations = speed::stations_named(line, name);
+            if !stations.is_empty() && value.parse::<f64>().is_ok() {
+                return Err(format!(
+                    "`{name}={value}`: write `{name}={value}%` if the station is to be {value} % faster, or set one of its numbers, such as `{name}.takes='{value} s'`"
+                ));
+            }
             let Some(percent) = value.strip_suffix('%').filter(|_| !stations.is_empty()) else {
                 changes
                     .variant
                     .set
                     .insert(name.to_owned(), value.to_owned());
-                numbers.push(change.clone());
+                numbers.push(change.clone().given_by("--what-if"));
                 continue;
             };
             let speed = percent.trim().parse::<f64>().ok().map(|p| 1.0 + p / 100.0);

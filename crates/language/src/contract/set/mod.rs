@@ -25,6 +25,8 @@ pub struct Setting {
     text: String,
     /// Offset of `=`.
     equals: usize,
+    /// The option that gives it, for findings.
+    option: &'static str,
 }
 
 impl FromStr for Setting {
@@ -35,6 +37,7 @@ impl FromStr for Setting {
             Some(equals) if !text[..equals].trim().is_empty() => Ok(Self {
                 text: text.to_owned(),
                 equals,
+                option: "--set",
             }),
             _ => Err("write a name, `=` and a value, such as `capper.takes='2 s'`".to_owned()),
         }
@@ -42,6 +45,12 @@ impl FromStr for Setting {
 }
 
 impl Setting {
+    /// The same, given by another option than `--set`.
+    #[must_use]
+    pub fn given_by(self, option: &'static str) -> Self {
+        Self { option, ..self }
+    }
+
     /// Name of the number: `capper.takes`.
     pub fn name(&self) -> &str {
         self.text[..self.equals].trim()
@@ -185,7 +194,7 @@ impl Target<'_> {
         let mut values: BTreeMap<usize, Value> = BTreeMap::new();
         for setting in settings {
             let name = setting.name();
-            let file = sources.add(format!("--set {name}"), setting.text.as_str());
+            let file = sources.add(format!("{} {name}", setting.option), setting.text.as_str());
             let span = setting.name_span(file);
             let mut matching =
                 (0..known.len()).filter(|i| known[*i].names.iter().any(|n| n == name));
