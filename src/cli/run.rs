@@ -1,6 +1,7 @@
 //! `linewright run`: simulates a line in the bundled runner, with controllers synthesized from its
 //! contracts.
 
+mod progress;
 mod what_if;
 
 use super::build::default_folder;
@@ -16,10 +17,12 @@ use crate::engine::files::LoadedFiles;
 use crate::engine::simulation::{self, Run, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
+use crate::line::batches::{MAX_BATCHES, MIN_BATCHES};
 use crate::line::comparison::compare;
 use crate::line::{Count, Options};
-use crate::report;
+use crate::report::{self, Intervals};
 use clap::Args;
+use progress::RunProgress;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use what_if::{Changes, DEFAULT_PAIRS};
@@ -29,6 +32,7 @@ use what_if::{Changes, DEFAULT_PAIRS};
 #[command(after_help = "Examples:
     linewright run examples/ice-lab/line.lw --parts 50
     linewright run examples/ice-lab/line.lw --until 8h --seed 7 --replications 10
+    linewright run examples/ice-lab/line.lw --parts 400 --warm-up 1h --batches 20
     linewright run examples/ice-lab/line.lw --parts 50 --set printer.time='40 s'
     linewright run examples/ice-lab/line.lw --parts 50 --what-if printer=10%
 
@@ -80,6 +84,18 @@ confidence interval. NAME=VALUE is a number as in --set, or a station and how ma
     /// 1%
     #[arg(long, value_name = "P", value_parser = precision)]
     pub precision: Option<f64>,
+    /// Cut the run after the warm-up into N batches, usually 10 to 30; confidence intervals of
+    /// their means decide the requirements
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(i64::from(MIN_BATCHES)..=i64::from(MAX_BATCHES)),
+        conflicts_with_all = ["replications", "precision", "what_if"],
+        long_help = "Cut the run after the warm-up into N batches, usually 10 to 30, and give the means of the batches with confidence intervals, by \
+which requirements are judged. One long run needs one warm-up only. Batches are as long as each other if --until ends the run, and have as many products \
+each if --parts does. A finding says if they are too short"
+    )]
+    pub batches: Option<u32>,
     /// Folder of the station libraries [default: .linewright next to the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -181,7 +197,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let sources = &loaded.library.sources;
     let trace = &run.traces[0];
     let is_single = simulation.replications == Count::Fixed(1);
-    let several = (!is_single).then_some(&run.replications);
+    let several = (!is_single).then_some(Intervals::Replications(&run.replications));
+    let several = several.or(run.batches.as_ref().map(Intervals::Batches));
     let seconds = (!options.no_timing).then_some(run.seconds);
     match options.format {
         Format::Json => {
@@ -242,6 +259,7 @@ fn simulation_options(
             seed: arguments.seed,
             parts: arguments.parts,
             until: arguments.until,
+            batches: arguments.batches,
             warm_up: match arguments.warm_up {
                 Some(WarmUp::Seconds(seconds)) => seconds,
                 Some(WarmUp::Auto) | None => 0.0,
@@ -254,6 +272,7 @@ fn simulation_options(
         speeds: BTreeMap::new(),
         is_study: !arguments.set.is_empty() || !arguments.what_if.is_empty(),
         rebuild: arguments.rebuild,
+        monitor: None,
     })
 }
 
@@ -326,9 +345,16 @@ fn simulate(
 
     let default = default_folder(&arguments.selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
-    match simulation::simulate(line, &controlled, folder, simulation) {
+    let progress = RunProgress::new(simulation.replications);
+    let simulation = SimulationOptions {
+        monitor: progress.monitor(),
+        ..simulation.clone()
+    };
+    let run = simulation::simulate(line, &controlled, folder, &simulation);
+    progress.clear();
+    match run {
         Ok(run) => {
-            findings.extend(run.replications.findings.clone());
+            findings.extend(run.findings());
             let line = Line::clone(line);
             drop(controlled);
             drop(synthesis);

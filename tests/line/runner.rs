@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "the times of these lines are exact")]
 
 mod arrivals;
+mod batches;
 mod belts;
 mod blocked;
 mod calendars;

@@ -47,6 +47,7 @@ fn a_machine_is_built_and_a_line_is_run() {
         find_warm_up: false,
         replications: Count::Fixed(2),
         rebuild: false,
+        ..SimulationOptions::default()
     };
     let run = project.run(line, folder.path(), &how).expect("it runs");
     let products: Vec<u64> = run.traces.iter().map(|t| t.products).collect();
@@ -99,6 +100,7 @@ fn control_takes_the_time_that_the_machine_declares() {
         speeds: std::collections::BTreeMap::new(),
         is_study: false,
         rebuild: false,
+        ..SimulationOptions::default()
     };
     for (step, control) in [("step 1 s", 2.0), ("step 0 s", 0.0)] {
         std::fs::write(&file, PRESS.replace("step 1 s", step)).expect("a written file");

@@ -38,6 +38,7 @@ const COMMANDS: &[&str] = &[
     "run examples/loader/line.lw --parts 5 --out built",
     "run examples/loader/line.lw --until 1h --no-timing --out built",
     "run examples/loader/line.lw --until 1h --replications 3 --out built",
+    "run examples/loader/line.lw --until 4h --batches 10 --out built",
     "run examples/transfer/cell.lw --parts 2 --out built",
     "run cases/line/blocked.lw --parts 2 --out built",
     "run cases/cli/type.lw",

@@ -7,7 +7,7 @@ use crate::speed::{FasterController, speed_up};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::Line;
 use linewright_line::replicate::replicate;
-use linewright_line::{Count, Options, Plant, Replications, Trace};
+use linewright_line::{Batches, Count, Monitor, Options, Plant, Replications, Trace};
 use linewright_station::load::Library;
 use linewright_station::profile::Profile;
 use linewright_station::{Controller, Package, Toolchain};
@@ -33,6 +33,8 @@ pub struct SimulationOptions {
     pub is_study: bool,
     /// Whether to recompile libraries that already exist.
     pub rebuild: bool,
+    /// Watches the runs.
+    pub monitor: Option<Arc<Monitor>>,
 }
 
 /// Results of all runs of a line.
@@ -42,8 +44,24 @@ pub struct Run {
     pub traces: Vec<Trace>,
     /// Combined statistics of all runs, and the problems found in any of them.
     pub replications: Replications,
+    /// Statistics over the batches of the first run, if the options ask for batches and the run has
+    /// come to its end.
+    pub batches: Option<Batches>,
     /// Wall-clock seconds for all runs.
     pub seconds: f64,
+}
+
+impl Run {
+    /// The problems found in the runs. The requirements are judged by the batches, if there are
+    /// some.
+    pub fn findings(&self) -> Vec<Diagnostic> {
+        let mut findings = self.replications.findings.clone();
+        if let Some(batches) = &self.batches {
+            findings.retain(|finding| finding.code != codes::LINE_REQUIREMENT);
+            findings.extend(batches.findings.clone());
+        }
+        findings
+    }
 }
 
 /// Builds the libraries of a line's machines into a folder, loads them, and runs the line.
@@ -124,23 +142,28 @@ fn run(
         speed_up(&mut line, *node, *speed);
     }
     let line = Arc::new(line);
-    let plant = || {
+    let plant = |is_shown: bool| -> Result<Plant, Vec<Diagnostic>> {
         let mut controllers = instances(&line, machines, libraries)?;
         for (node, speed) in &options.speeds {
             if let Some(controller) = controllers.remove(node) {
                 controllers.insert(*node, Box::new(FasterController::new(controller, *speed)));
             }
         }
-        Plant::new(Arc::clone(&line), controllers, options.options)
+        let plant = Plant::new(Arc::clone(&line), controllers, options.options)?;
+        Ok(plant.watched(options.monitor.clone(), is_shown))
     };
     let start = Instant::now();
     let warm_up = if options.find_warm_up {
-        Some(plant()?.find_warm_up().map_err(|finding| vec![*finding])?)
+        Some(
+            plant(true)?
+                .find_warm_up()
+                .map_err(|finding| vec![*finding])?,
+        )
     } else {
         None
     };
-    let plant = || {
-        let mut plant = plant()?;
+    let plant = |is_shown: bool| {
+        let mut plant = plant(is_shown)?;
         if let Some(seconds) = warm_up {
             plant.set_found_warm_up(seconds);
         }
@@ -149,6 +172,7 @@ fn run(
     let threads = rayon::current_num_threads();
     let (traces, replications) = replicate(threads, plant, options.replications)?;
     Ok(Run {
+        batches: Batches::of(&line, &traces[0]),
         traces,
         replications,
         seconds: start.elapsed().as_secs_f64(),

@@ -62,7 +62,9 @@ pub fn compare(as_it_is: &[Trace], what_if: &[Trace]) -> Vec<Comparison> {
             let metric = (*compared).into();
             let values: Vec<(f64, f64)> = pairs
                 .iter()
-                .filter_map(|(one, other)| Some((measure(&metric, one)?, measure(&metric, other)?)))
+                .filter_map(|(one, other)| {
+                    Some((measure(&metric, *one)?, measure(&metric, *other)?))
+                })
                 .collect();
             let of = |value: fn(&(f64, f64)) -> f64| {
                 Estimate::of(&values.iter().map(value).collect::<Vec<_>>())

@@ -58,11 +58,13 @@
 //! For conveyors with a contract, see `plant/belt.rs`.
 
 pub mod abstraction;
+pub mod batches;
 mod bottleneck;
 pub mod calendar;
 pub mod calls;
 pub mod comparison;
 pub mod metric;
+pub mod monitor;
 pub mod mser;
 mod plant;
 pub mod random;
@@ -74,8 +76,10 @@ pub mod trace;
 mod undecided;
 mod validate;
 
+pub use batches::{Batch, Batches};
 pub use bottleneck::{Bottleneck, Candidate};
 use linewright_core::deadline::Deadline;
+pub use monitor::Monitor;
 pub use plant::Plant;
 pub use replicate::{Count, Estimate, Replications};
 pub use requirement::{ReplicatedRequirement, Verdict};
@@ -94,6 +98,9 @@ pub struct Options {
     /// Simulated seconds from the start in which nothing is counted. The requested number of
     /// products counts from then on.
     pub warm_up: f64,
+    /// Number of batches into which a run is cut after the warm-up, for confidence intervals;
+    /// `None` for none. See [`batches`].
+    pub batches: Option<u32>,
     /// Wall-clock deadline.
     pub deadline: Deadline,
     /// Whether to record every movement in [`Trace::log`]; memory then grows with the run.
@@ -107,6 +114,7 @@ impl Default for Options {
             parts: None,
             until: None,
             warm_up: 0.0,
+            batches: None,
             deadline: Deadline::NONE,
             log: false,
         }

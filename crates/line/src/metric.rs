@@ -1,37 +1,53 @@
-//! Values of metrics in a run.
+//! Values of metrics in a run, and in its batches.
 
-use super::trace::{BufferStatistics, Shares, StationStatistics, Trace};
+use super::trace::{BufferStatistics, Shares, Trace};
 use linewright_language::contract::metric::{Measure, Metric, PlaceKind};
 
 /// Joules in a kilowatt hour.
 pub const JOULES_PER_KWH: f64 = 3.6e6;
 
-/// Value of a metric in a run, in its unit; `None` if there was nothing to measure, such as the
-/// lead time in a run without products. Of several places it is the mean over those that have a
-/// value.
-pub fn measure(metric: &Metric, trace: &Trace) -> Option<f64> {
-    let nodes = &metric.nodes;
-    let values: Vec<f64> = match metric.measure.info().place {
-        None => return of_line(metric.measure, trace),
-        Some(PlaceKind::Station) => {
-            let stations = trace.stations.iter().filter(|s| nodes.contains(&s.node));
-            stations
-                .map(|station| of_station(metric.measure, station))
-                .collect()
-        }
-        Some(PlaceKind::Buffer) => {
-            let buffers = trace.buffers.iter().filter(|b| nodes.contains(&b.node));
-            buffers
-                .filter_map(|buffer| of_buffer(metric.measure, buffer))
-                .collect()
-        }
-        Some(PlaceKind::Source) => {
-            let sources = trace.sources.iter().filter(|s| nodes.contains(&s.node));
-            let served = sources.filter(|source| source.passed > 0);
-            served.map(|source| source.lost).collect()
-        }
-    };
+/// What metrics are taken from: a run, or a batch of it.
+pub trait Figures {
+    /// Value of a measure of the whole line, in its unit; `None` if there was nothing to measure.
+    fn of_line(&self, measure: Measure) -> Option<f64>;
+    /// Value of a measure of the place with this node; `None` if there was nothing to measure.
+    fn of_place(&self, measure: Measure, node: usize) -> Option<f64>;
+}
+
+/// Value of a metric in its unit; `None` if there was nothing to measure, such as the lead time in
+/// a run without products. Of several places it is the mean over those that have a value.
+pub fn measure(metric: &Metric, figures: &impl Figures) -> Option<f64> {
+    if metric.measure.info().place.is_none() {
+        return figures.of_line(metric.measure);
+    }
+    let nodes = metric.nodes.clone();
+    let values: Vec<f64> = nodes
+        .filter_map(|node| figures.of_place(metric.measure, node))
+        .collect();
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+impl Figures for Trace {
+    fn of_line(&self, measure: Measure) -> Option<f64> {
+        of_line(measure, self)
+    }
+
+    fn of_place(&self, measure: Measure, node: usize) -> Option<f64> {
+        match measure.info().place? {
+            PlaceKind::Station => {
+                let station = self.stations.iter().find(|s| s.node == node)?;
+                Some(of_station(measure, station.shares))
+            }
+            PlaceKind::Buffer => {
+                let buffer = self.buffers.iter().find(|b| b.node == node)?;
+                of_buffer(measure, buffer)
+            }
+            PlaceKind::Source => {
+                let source = self.sources.iter().find(|s| s.node == node)?;
+                (source.passed > 0).then_some(source.lost)
+            }
+        }
+    }
 }
 
 fn of_line(measure: Measure, trace: &Trace) -> Option<f64> {
@@ -58,7 +74,8 @@ fn of_line(measure: Measure, trace: &Trace) -> Option<f64> {
     }
 }
 
-fn of_station(measure: Measure, station: &StationStatistics) -> f64 {
+/// The share of a station's time that a measure is about.
+pub(super) fn of_station(measure: Measure, shares: Shares) -> f64 {
     let Shares {
         busy,
         starved,
@@ -66,7 +83,7 @@ fn of_station(measure: Measure, station: &StationStatistics) -> f64 {
         failed,
         idle,
         setup,
-    } = station.shares;
+    } = shares;
     match measure {
         Measure::Busy => busy,
         Measure::Starved => starved,

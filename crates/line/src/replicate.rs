@@ -2,7 +2,7 @@
 
 use super::metric;
 use super::plant::Plant;
-use super::requirement::{self, ReplicatedRequirement};
+use super::requirement::{self, ReplicatedRequirement, Sample};
 use super::statistics::student_t;
 use super::trace::{End, Trace};
 use linewright_core::deadline::StopReason;
@@ -158,17 +158,18 @@ impl Count {
 }
 
 /// Runs a line several times, with consecutive seeds from that of the options, on several threads.
-/// `plant` creates the plant of a thread. The traces are those that
+/// `plant` creates the plant of a thread; its argument states whether it is the first one, whose
+/// runs can be shown. The traces are those that
 /// [`Plant::replicate`] returns, in the same order, for any number of threads.
 ///
 /// # Errors
 /// Returns the findings of `plant`.
 pub fn replicate(
     threads: usize,
-    plant: impl Fn() -> Result<Plant, Vec<Diagnostic>> + Sync,
+    plant: impl Fn(bool) -> Result<Plant, Vec<Diagnostic>> + Sync,
     count: Count,
 ) -> Result<(Vec<Trace>, Replications), Vec<Diagnostic>> {
-    let mut own = plant()?;
+    let mut own = plant(true)?;
     let mut traces: Vec<Trace> = Vec::new();
     let mut wanted = count.first();
     loop {
@@ -192,7 +193,7 @@ pub fn replicate(
 fn runs(
     own: &mut Plant,
     threads: usize,
-    plant: &(impl Fn() -> Result<Plant, Vec<Diagnostic>> + Sync),
+    plant: &(impl Fn(bool) -> Result<Plant, Vec<Diagnostic>> + Sync),
     done: u64,
     wanted: u64,
 ) -> Result<Vec<Trace>, Vec<Diagnostic>> {
@@ -200,7 +201,9 @@ fn runs(
     let step = threads as u64;
     let others: Vec<Result<Vec<Trace>, Vec<Diagnostic>>> = std::thread::scope(|scope| {
         let started: Vec<_> = (1..step)
-            .map(|first| scope.spawn(move || Ok(plant()?.every(done + first, step, done + wanted))))
+            .map(|first| {
+                scope.spawn(move || Ok(plant(false)?.every(done + first, step, done + wanted)))
+            })
             .collect();
         let own = Ok(own.every(done, step, done + wanted));
         let others = started.into_iter().map(|thread| {
@@ -242,6 +245,7 @@ impl Plant {
                 break;
             }
             traces.push(self.run_seeded(self.seed().wrapping_add(run)));
+            self.count_run();
             run += step;
         }
         traces
@@ -313,7 +317,7 @@ impl Replications {
                 .filter_map(|trace| metric::measure(&metric, trace));
             Estimate::of(&measured.collect::<Vec<_>>())
         };
-        let requirements = requirement::over(line, traces);
+        let requirements = requirement::over(line, Sample::Runs(traces));
         let mut findings: Vec<Diagnostic> = Vec::new();
         for finding in traces.iter().flat_map(|trace| &trace.findings) {
             let of_one_run = traces.len() > 1 && finding.code == codes::LINE_REQUIREMENT;
@@ -322,7 +326,11 @@ impl Replications {
             }
         }
         if traces.len() > 1 {
-            findings.extend(requirement::unmet(line, traces, &requirements));
+            findings.extend(requirement::unmet(
+                line,
+                Sample::Runs(traces),
+                &requirements,
+            ));
         }
         Self {
             seeds: traces.iter().map(|trace| trace.seed).collect(),

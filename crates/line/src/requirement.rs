@@ -2,8 +2,9 @@
 //!
 //! One run is judged by its values. Several runs are judged by the confidence interval of the mean,
 //! so that the verdict does not change with every further run, and a line whose mean is next to the
-//! bound gets no verdict by luck.
+//! bound gets no verdict by luck. The batches of a run are judged in the same way.
 
+use super::batches;
 use super::bottleneck::Bottleneck;
 use super::metric::measure;
 use super::replicate::{Estimate, MAX_REPLICATIONS};
@@ -21,8 +22,9 @@ pub enum Verdict {
     Fails,
     /// The bound lies in the interval.
     Undecided {
-        /// Estimated number of further runs after which the interval no longer contains the bound;
-        /// `None` if the mean is the bound, or if more than [`MAX_REPLICATIONS`] runs are needed.
+        /// Estimated number of further runs, or batches of the same length, after which the
+        /// interval no longer contains the bound; `None` if the mean is the bound, or if more than
+        /// [`MAX_REPLICATIONS`] runs are needed.
         more: Option<u64>,
     },
 }
@@ -79,13 +81,7 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
         let (comparison, bound) = (requirement.comparison, requirement.bound);
         let holds = value.is_some_and(|value| meets(value, comparison, bound));
         if !holds {
-            let message = format!(
-                "the requirement {} does not hold: {} {}, and should be {} {bound}",
-                requirement.name,
-                line.subject_of(&requirement.metric),
-                is(&requirement.metric, value),
-                words(comparison),
-            );
+            let message = fails_in_run(line, requirement, value);
             trace.findings.push(
                 Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
                     .with_help(advice(&requirement.metric, line, trace)),
@@ -99,7 +95,84 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
     }
 }
 
-/// A requirement over several runs.
+fn fails_in_run(line: &Line, requirement: &Requirement, value: Option<f64>) -> String {
+    format!(
+        "the requirement {} does not hold: {} {}, and should be {} {}",
+        requirement.name,
+        line.subject_of(&requirement.metric),
+        is(&requirement.metric, value),
+        words(requirement.comparison),
+        requirement.bound,
+    )
+}
+
+impl ReplicatedRequirement {
+    /// If it is undecided: estimated number of further runs or batches that would decide it; `None`
+    /// if no permitted number would.
+    pub fn more(&self) -> Option<u64> {
+        match self.verdict {
+            Verdict::Undecided { more } => more,
+            Verdict::Holds | Verdict::Fails => None,
+        }
+    }
+
+    /// If it is undecided over batches: how many times as long a run would have to count to decide
+    /// it; `None` if no run would.
+    pub fn times_as_long(&self) -> Option<f64> {
+        let more = self.more()? as f64;
+        Some(1.0 + more / self.runs as f64)
+    }
+}
+
+/// What requirements are judged by.
+#[derive(Clone, Copy)]
+pub(super) enum Sample<'a> {
+    /// Several runs.
+    Runs(&'a [Trace]),
+    /// The batches of a run.
+    Batches(&'a Trace),
+}
+
+impl<'a> Sample<'a> {
+    /// The values of requirement number `index` in each run or batch.
+    fn values(self, index: usize, requirement: &Requirement) -> Vec<Option<f64>> {
+        match self {
+            Self::Runs(traces) => {
+                let results = traces.iter();
+                let results = results.filter_map(|trace| trace.requirements.get(index));
+                results.map(|result| result.value).collect()
+            }
+            Self::Batches(trace) => batches::values(&requirement.metric, trace),
+        }
+    }
+
+    /// The values whose mean and deviation decide on a requirement that has these values.
+    fn of_mean(self, requirement: &Requirement, values: &[Option<f64>]) -> Vec<f64> {
+        match self {
+            Self::Runs(_) => values.iter().copied().flatten().collect(),
+            Self::Batches(trace) => batches::weighted(&requirement.metric, trace, values),
+        }
+    }
+
+    /// The run with this index, or that of the batches.
+    fn trace(self, index: usize) -> Option<&'a Trace> {
+        match self {
+            Self::Runs(traces) => traces.get(index),
+            Self::Batches(trace) => Some(trace),
+        }
+    }
+
+    /// `6 runs`, or `20 batches`.
+    fn counted(self, count: usize) -> String {
+        let what = match self {
+            Self::Runs(_) => "runs",
+            Self::Batches(_) => "batches",
+        };
+        format!("{count} {what}")
+    }
+}
+
+/// A requirement over several runs, or over the batches of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReplicatedRequirement {
     /// Name of the requirement.
@@ -122,21 +195,24 @@ pub struct ReplicatedRequirement {
     by_run: bool,
 }
 
-/// Evaluates the requirements of a line over these runs.
-pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> {
+/// Evaluates the requirements of a line over these runs or batches.
+pub(super) fn over(line: &Line, sample: Sample<'_>) -> Vec<ReplicatedRequirement> {
     let requirements = line.requirements.iter().enumerate();
     requirements
         .map(|(index, requirement)| {
-            let results = || {
-                traces
-                    .iter()
-                    .filter_map(|trace| trace.requirements.get(index))
-            };
-            let values: Vec<Option<f64>> = results().map(|result| result.value).collect();
+            let values = sample.values(index, requirement);
             let worst = worst(requirement, &values);
             let measured: Vec<f64> = values.iter().copied().flatten().collect();
-            let value = Estimate::of(&measured);
-            let in_one = in_one_run(requirement, &values);
+            let mut value = Estimate::of(&sample.of_mean(requirement, &values));
+            let mut in_one = in_one_run(requirement, &values);
+            // A batch without a value is too short: it shows nothing about the run.
+            let is_short = matches!(sample, Sample::Batches(_)) && measured.len() < values.len();
+            if let (Some(value), true) = (&mut value, is_short) {
+                value.half_width = None;
+                in_one = Some(Verdict::Undecided { more: None });
+            }
+            let (comparison, bound) = (requirement.comparison, requirement.bound);
+            let holds = measured.iter().filter(|v| meets(**v, comparison, bound));
             ReplicatedRequirement {
                 name: requirement.name.clone(),
                 verdict: match (in_one, value) {
@@ -144,7 +220,7 @@ pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> 
                     (None, Some(value)) => by_interval(requirement, value, measured.len() as u64),
                     (None, None) => Verdict::Fails,
                 },
-                held_in: results().filter(|result| result.holds).count(),
+                held_in: holds.count(),
                 runs: values.len(),
                 worst,
                 worst_value: values.get(worst).copied().flatten(),
@@ -224,24 +300,26 @@ fn by_interval(requirement: &Requirement, value: Estimate, runs: u64) -> Verdict
     }
 }
 
-/// One finding for each requirement that fails or is undecided over several runs.
+/// One finding for each requirement that fails or is undecided over several runs or batches.
 pub(super) fn unmet(
     line: &Line,
-    traces: &[Trace],
+    sample: Sample<'_>,
     results: &[ReplicatedRequirement],
 ) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     for (requirement, result) in line.requirements.iter().zip(results) {
-        let Some(worst) = traces.get(result.worst) else {
+        let Some(worst) = sample.trace(result.worst) else {
             continue;
         };
         match result.verdict {
             Verdict::Holds => {}
             Verdict::Fails => {
-                let message = if result.by_run {
-                    fails_in_runs(line, requirement, result, worst.seed)
-                } else {
-                    fails(line, requirement, result)
+                let message = match sample {
+                    Sample::Batches(_) if result.runs == 1 || result.value.is_none() => {
+                        fails_in_run(line, requirement, result.worst_value)
+                    }
+                    _ if result.by_run => fails_in_runs(line, requirement, result, sample),
+                    _ => fails(line, requirement, result, sample),
                 };
                 findings.push(
                     Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
@@ -249,7 +327,7 @@ pub(super) fn unmet(
                 );
             }
             Verdict::Undecided { more } => {
-                findings.push(undecided(line, requirement, result, more));
+                findings.push(undecided(line, requirement, result, sample, more));
             }
         }
     }
@@ -257,28 +335,36 @@ pub(super) fn unmet(
 }
 
 /// `95 % interval 3589.1 to 3632.4, 6 runs`.
-fn interval(result: &ReplicatedRequirement) -> String {
+fn interval(result: &ReplicatedRequirement, sample: Sample<'_>) -> String {
+    let counted = sample.counted(result.runs);
     let Some((value, half)) = result.value.and_then(|v| Some((v.mean, v.half_width?))) else {
-        return format!("{} runs", result.runs);
+        return match sample {
+            Sample::Runs(_) => counted,
+            Sample::Batches(_) => format!("nothing to measure in some of {counted}"),
+        };
     };
     if half <= 0.0 {
-        return format!("in all {} runs", result.runs);
+        return format!("in all {counted}");
     }
     format!(
-        "95 % interval {} to {}, {} runs",
+        "95 % interval {} to {}, {counted}",
         thousandths(value - half),
         thousandths(value + half),
-        result.runs
     )
 }
 
-fn fails(line: &Line, requirement: &Requirement, result: &ReplicatedRequirement) -> String {
+fn fails(
+    line: &Line,
+    requirement: &Requirement,
+    result: &ReplicatedRequirement,
+    sample: Sample<'_>,
+) -> String {
     format!(
         "the requirement {} does not hold: {} {} ({}), and should be {} {}",
         requirement.name,
         line.subject_of(&requirement.metric),
         is(&requirement.metric, result.value.map(|value| value.mean)),
-        interval(result),
+        interval(result, sample),
         words(requirement.comparison),
         requirement.bound,
     )
@@ -288,19 +374,26 @@ fn fails_in_runs(
     line: &Line,
     requirement: &Requirement,
     result: &ReplicatedRequirement,
-    seed: u64,
+    sample: Sample<'_>,
 ) -> String {
     let metric = &requirement.metric;
+    let which = match sample {
+        Sample::Runs(traces) => {
+            let seed = traces.get(result.worst).map_or(0, |trace| trace.seed);
+            format!("with seed {seed}")
+        }
+        Sample::Batches(_) => format!("in batch {}", result.worst + 1),
+    };
     // Without a value, the sentence ends with the reason, so the seed comes first.
-    let with_seed = match result.worst_value {
-        Some(_) => format!("{} with seed {seed}", is(metric, result.worst_value)),
-        None => format!("with seed {seed} it {}", is(metric, None)),
+    let in_worst = match result.worst_value {
+        Some(_) => format!("{} {which}", is(metric, result.worst_value)),
+        None => format!("{which} it {}", is(metric, None)),
     };
     format!(
-        "the requirement {} does not hold in {} of {} runs: {} should be {} {}, and {with_seed}",
+        "the requirement {} does not hold in {} of {}: {} should be {} {}, and {in_worst}",
         requirement.name,
         result.runs - result.held_in,
-        result.runs,
+        sample.counted(result.runs),
         line.subject_of(metric),
         words(requirement.comparison),
         requirement.bound,
@@ -311,6 +404,7 @@ fn undecided(
     line: &Line,
     requirement: &Requirement,
     result: &ReplicatedRequirement,
+    sample: Sample<'_>,
     more: Option<u64>,
 ) -> Diagnostic {
     let message = format!(
@@ -318,21 +412,27 @@ fn undecided(
         requirement.name,
         line.subject_of(&requirement.metric),
         is(&requirement.metric, result.value.map(|value| value.mean)),
-        interval(result),
+        interval(result, sample),
         words(requirement.comparison),
         requirement.bound,
     );
-    let help = match more {
+    let help = match (sample, more) {
         _ if requirement.comparison == Comparison::Eq => {
             "A mean that varies is never exactly a number: use `<=` or `>=`.".to_owned()
         }
-        Some(more) => format!(
+        (Sample::Runs(_), Some(more)) => format!(
             "About {more} more replications would decide it: `--replications {}`. Longer runs help, too.",
             result.runs as u64 + more
         ),
-        None => format!(
+        (Sample::Runs(_), None) => format!(
             "{MAX_REPLICATIONS} replications would not decide it: let each run last longer, or change the requirement.",
         ),
+        (Sample::Batches(_), _) => {
+            let times = result.times_as_long().map_or(String::new(), |times| {
+                format!(" If it counts about {times:.1} times as long, that would decide it.")
+            });
+            format!("Let the run last longer, or change the requirement.{times}")
+        }
     };
     Diagnostic::warning(codes::LINE_REQUIREMENT, requirement.span, message)
         .with_help(help)

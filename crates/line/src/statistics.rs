@@ -77,6 +77,22 @@ impl Clock {
         self.seconds = [0.0; 7];
     }
 
+    /// A copy in which the time up to `now` is booked.
+    pub(super) fn at(&self, now: f64) -> Self {
+        let mut copy = self.clone();
+        copy.switch(now, self.activity);
+        copy
+    }
+
+    /// The time that was booked after `earlier`, an earlier copy.
+    pub(super) fn after(&self, earlier: &Self) -> Self {
+        let mut rest = self.clone();
+        for (seconds, before) in rest.seconds.iter_mut().zip(earlier.seconds) {
+            *seconds -= before;
+        }
+        rest
+    }
+
     /// Shares of the total booked time. `visited` states whether any part ever reached the station.
     /// If no time was booked, the idle share is 1.
     pub(super) fn shares(&self, visited: bool) -> Shares {
@@ -158,6 +174,23 @@ impl Level {
         };
     }
 
+    /// A copy in which the time up to `now` is counted.
+    pub(super) fn at(&self, now: f64) -> Self {
+        let mut copy = self.clone();
+        copy.advance(now);
+        copy
+    }
+
+    /// What was counted after `earlier`, an earlier copy. The maximum is that of both.
+    pub(super) fn after(&self, earlier: &Self) -> Self {
+        Self {
+            seconds: self.seconds - earlier.seconds,
+            area: self.area - earlier.area,
+            full_seconds: self.full_seconds - earlier.full_seconds,
+            ..self.clone()
+        }
+    }
+
     /// The number now.
     pub(super) fn level(&self) -> u64 {
         self.now
@@ -205,6 +238,15 @@ impl Waits {
         self.count += 1;
         self.sum += seconds;
         self.max = self.max.max(seconds);
+    }
+
+    /// What was added after `earlier`, an earlier copy. The maximum is that of both.
+    pub(super) fn after(self, earlier: Self) -> Self {
+        Self {
+            count: self.count - earlier.count,
+            sum: self.sum - earlier.sum,
+            max: self.max,
+        }
     }
 
     /// Mean; 0 if nothing has waited.

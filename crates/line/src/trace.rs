@@ -1,6 +1,7 @@
 //! The result of a run: the only interface between the runner and everything that shows or checks a
 //! run.
 
+use super::batches::Batch;
 use super::bottleneck::Bottleneck;
 use super::requirement::Verdict;
 use linewright_core::diagnostics::Diagnostic;
@@ -66,6 +67,9 @@ pub struct Trace {
     pub requirements: Vec<RequirementResult>,
     /// All problems, as findings.
     pub findings: Vec<Diagnostic>,
+    /// The batches of the run, in order; empty if none were wanted, or if the run ended before the
+    /// last one.
+    pub batches: Vec<Batch>,
     /// Every movement, if [`Options::log`](super::Options::log) is set.
     pub log: Vec<LogEntry>,
 }

@@ -3,25 +3,29 @@
 //! Seconds and rates have six decimal places, energies nine. Shares have six decimal places and are
 //! rounded so that they still sum to 1.
 
+use super::Intervals;
 use linewright_language::contract::line::Line;
+use linewright_language::contract::metric::Measure;
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{
     End, LeadTime, Oee, Shares, SourceStatistics, StationStatistics, WaitKind, WorkTime,
 };
-use linewright_line::{Bottleneck, Estimate, Replications, Trace, Verdict};
+use linewright_line::{
+    Batches, Bottleneck, Estimate, ReplicatedRequirement, Replications, Trace, Verdict,
+};
 use serde_json::{Value, json};
 
 /// JSON Schema of the document.
 pub const RUN_SCHEMA: &str = include_str!("run.schema.json");
 
 /// Returns the JSON document of a run. If `wall_seconds` is `None` (`--no-timing`), the document
-/// has no field of this name. If there are `replications` (runs with several random seeds), the
-/// document also contains estimates over all replications, and judges the requirements over all of
-/// them. Everything else describes `trace`, the run with the first seed.
+/// has no field of this name. If there are `intervals`, the document also contains estimates over
+/// all replications or batches, and judges the requirements over all of them. Everything else
+/// describes `trace`: with replications, the run with the first seed.
 pub fn json(
     line: &Line,
     trace: &Trace,
-    replications: Option<&Replications>,
+    intervals: Option<Intervals<'_>>,
     wall_seconds: Option<f64>,
 ) -> Value {
     let part_name = |part: usize| line.parts.get(part).map(|p| p.name.as_str());
@@ -117,38 +121,24 @@ pub fn json(
             })
         })
         .collect();
-    let requirements: Vec<Value> = match replications {
-        Some(replications) => replications
-            .requirements
-            .iter()
-            .map(|r| {
-                json!({
-                    "name": r.name,
-                    "holds": r.verdict == Verdict::Holds,
-                    "verdict": r.verdict.word(),
-                    "more_replications": match r.verdict {
-                        Verdict::Undecided { more } => more,
-                        Verdict::Holds | Verdict::Fails => None,
-                    },
-                    "value": r.value.map(|value| round(value.mean, 9)),
-                    "low": r.value.and_then(|value| bound(value, -1.0, 9)),
-                    "high": r.value.and_then(|value| bound(value, 1.0, 9)),
-                    "held_in": r.held_in,
-                    "replications": r.runs,
-                    "worst": {
-                        "seed": replications.seeds.get(r.worst),
-                        "value": r.worst_value.map(|value| round(value, 9)),
-                    },
-                })
-            })
-            .collect(),
+    let requirements: Vec<Value> = match intervals {
+        Some(Intervals::Replications(replications)) => {
+            let requirements = replications.requirements.iter();
+            let seed = |run: usize| replications.seeds.get(run).copied();
+            requirements
+                .map(|r| replicated_requirement(r, seed(r.worst)))
+                .collect()
+        }
+        Some(Intervals::Batches(batches)) => {
+            let requirements = batches.requirements.iter().zip(&batches.lags_1);
+            requirements
+                .map(|(r, lag_1)| batch_requirement(r, *lag_1))
+                .collect()
+        }
         None => trace
             .requirements
             .iter()
-            .map(|r| {
-                let value = r.value.map(|value| round(value, 9));
-                json!({"name": r.name, "holds": r.holds, "verdict": r.verdict().word(), "value": value})
-            })
+            .map(|r| requirement(&r.name, r.verdict(), r.value))
             .collect(),
     };
     let mut document = json!({
@@ -209,9 +199,90 @@ pub fn json(
             let products: Vec<Value> = products.collect();
             fields.insert("products_by_type".to_owned(), products.into());
         }
-        if let Some(replications) = replications {
-            fields.insert("replications".to_owned(), replicated(replications));
+        match intervals {
+            Some(Intervals::Replications(replications)) => {
+                fields.insert("replications".to_owned(), replicated(replications));
+            }
+            Some(Intervals::Batches(batches)) => {
+                fields.insert("batches".to_owned(), batch_means(batches));
+            }
+            None => {}
         }
+    }
+    document
+}
+
+/// A requirement that was judged by one value.
+fn requirement(name: &str, verdict: Verdict, value: Option<f64>) -> Value {
+    json!({
+        "name": name,
+        "holds": verdict == Verdict::Holds,
+        "verdict": verdict.word(),
+        "value": value.map(|value| round(value, 9)),
+    })
+}
+
+/// A requirement that was judged over several runs. `seed` is that of the worst run.
+fn replicated_requirement(r: &ReplicatedRequirement, seed: Option<u64>) -> Value {
+    json!({
+        "name": r.name,
+        "holds": r.verdict == Verdict::Holds,
+        "verdict": r.verdict.word(),
+        "more_replications": r.more(),
+        "value": r.value.map(|value| round(value.mean, 9)),
+        "low": r.value.and_then(|value| bound(value, -1.0, 9)),
+        "high": r.value.and_then(|value| bound(value, 1.0, 9)),
+        "held_in": r.held_in,
+        "replications": r.runs,
+        "worst": {
+            "seed": seed,
+            "value": r.worst_value.map(|value| round(value, 9)),
+        },
+    })
+}
+
+/// A requirement that was judged over the batches of a run, or by the whole run.
+fn batch_requirement(r: &ReplicatedRequirement, lag_1: Option<f64>) -> Value {
+    if r.runs == 1 {
+        return requirement(&r.name, r.verdict, r.worst_value);
+    }
+    json!({
+        "name": r.name,
+        "holds": r.verdict == Verdict::Holds,
+        "verdict": r.verdict.word(),
+        "times_as_long": r.times_as_long().map(|times| round(times, 6)),
+        "value": r.value.map(|value| round(value.mean, 9)),
+        "low": r.value.and_then(|value| bound(value, -1.0, 9)),
+        "high": r.value.and_then(|value| bound(value, 1.0, 9)),
+        "lag_1": lag_1.map(|lag_1| round(lag_1, 6)),
+        "held_in": r.held_in,
+        "batches": r.runs,
+        "worst": {
+            "batch": r.worst + 1,
+            "value": r.worst_value.map(|value| round(value, 9)),
+        },
+    })
+}
+
+fn batch_means(batches: &Batches) -> Value {
+    let mut document = json!({
+        "count": batches.count,
+        "seconds": batches.seconds.map(|seconds| round(seconds, 6)),
+        "confidence": 0.95,
+        "critical_lag_1": round(batches.critical_lag_1, 6),
+    });
+    for e in &batches.estimates {
+        let (name, places) = match e.measure {
+            Measure::Throughput => ("throughput_per_hour", 6),
+            Measure::LeadTime => ("lead_time_seconds", 6),
+            Measure::LeadTimeP95 => ("lead_time_p95_seconds", 6),
+            Measure::Energy => ("energy_kwh", 9),
+            _ => (e.measure.info().name, 6),
+        };
+        document[name] = estimate(e.value, places).map_or(Value::Null, |mut value| {
+            value["lag_1"] = json!(e.lag_1.map(|lag_1| round(lag_1, 6)));
+            value
+        });
     }
     document
 }

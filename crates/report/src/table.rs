@@ -1,18 +1,24 @@
 //! A run as text for a terminal that is 100 columns wide.
 
+use super::Intervals;
 use linewright_language::contract::line::{Comparison, Line};
+use linewright_language::contract::metric::Measure;
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
-use linewright_line::{Bottleneck, Candidate, Estimate, Replications, Trace};
+use linewright_line::{
+    Batches, Bottleneck, Candidate, Estimate, ReplicatedRequirement, Replications, Trace,
+};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Returns a run as text that ends with a line break. If there are `replications`, the requirements
-/// are judged over all of them, and a table of estimates is added. All other tables show `trace`.
-pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) -> String {
+/// Returns a run as text that ends with a line break. If there are `intervals`, the requirements
+/// are judged by them, and a table of estimates is added. All other tables show `trace`.
+pub fn table(line: &Line, trace: &Trace, intervals: Option<Intervals<'_>>) -> String {
     let mut out = String::new();
-    if let Some(&[first, _, ..]) = replications.map(|r| r.seeds.as_slice()) {
+    if let Some(Intervals::Replications(replications)) = intervals
+        && let [first, _, ..] = replications.seeds[..]
+    {
         let _ = writeln!(out, "  {:<12} seed {first}; all seeds are below", "run");
     }
     summary(&mut out, line, trace);
@@ -22,10 +28,14 @@ pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) ->
     conveyors(&mut out, trace);
     buffers(&mut out, trace);
     machines(&mut out, trace);
-    match replications {
-        Some(replications) => {
-            requirements_of_all(&mut out, line, replications);
+    match intervals {
+        Some(Intervals::Replications(replications)) => {
+            requirements_of_all(&mut out, line, &replications.requirements);
             replicated(&mut out, replications);
+        }
+        Some(Intervals::Batches(batches)) => {
+            requirements_of_all(&mut out, line, &batches.requirements);
+            batch_means(&mut out, batches);
         }
         None => requirements(&mut out, line, trace),
     }
@@ -420,25 +430,21 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
     );
 }
 
-/// Writes the requirements over all replications: the verdict, the mean with its confidence
-/// interval, and the value in the worst replication.
-fn requirements_of_all(out: &mut String, line: &Line, replications: &Replications) {
-    let rows = replications
-        .requirements
-        .iter()
-        .enumerate()
-        .map(|(index, result)| {
-            let [mean, low, high] = interval(result.value, 3);
-            vec![
-                result.name.clone(),
-                result.verdict.word().to_owned(),
-                required(line, index),
-                mean,
-                low,
-                high,
-                measured(result.worst_value, 3),
-            ]
-        });
+/// Writes the requirements over all replications or batches: the verdict, the mean with its
+/// confidence interval, and the value in the worst of them.
+fn requirements_of_all(out: &mut String, line: &Line, requirements: &[ReplicatedRequirement]) {
+    let rows = requirements.iter().enumerate().map(|(index, result)| {
+        let [mean, low, high] = interval(result.value, 3);
+        vec![
+            result.name.clone(),
+            result.verdict.word().to_owned(),
+            required(line, index),
+            mean,
+            low,
+            high,
+            measured(result.worst_value, 3),
+        ]
+    });
     columns(
         out,
         &[
@@ -468,18 +474,51 @@ fn required(line: &Line, index: usize) -> String {
     })
 }
 
+/// Measures of a table of estimates, and their decimal places.
+fn estimated(measure: Measure) -> (&'static str, usize) {
+    match measure {
+        Measure::Throughput => ("throughput an hour", 3),
+        Measure::LeadTime => ("mean lead time in s", 3),
+        Measure::LeadTimeP95 => ("95th percentile in s", 3),
+        Measure::Wip => ("mean WIP", 3),
+        Measure::Makespan => ("makespan in seconds", 1),
+        Measure::Energy => ("energy in kWh", 4),
+        _ => (measure.info().label, 3),
+    }
+}
+
+fn estimate_row(measure: Measure, estimate: Option<Estimate>) -> Vec<String> {
+    let (label, places) = estimated(measure);
+    let [mean, low, high] = interval(estimate, places);
+    vec![label.to_owned(), mean, low, high]
+}
+
+/// Writes the means of the batches with their intervals and lag-1 autocorrelations.
+fn batch_means(out: &mut String, batches: &Batches) {
+    let rows = batches.estimates.iter().map(|e| {
+        let mut row = estimate_row(e.measure, e.value);
+        row.push(measured(e.lag_1, 2));
+        row
+    });
+    let each = batches.seconds.map_or(String::new(), |seconds| {
+        format!(" of {}", duration(seconds))
+    });
+    let title = format!("{} batches{each}, 95 %", batches.count);
+    columns(
+        out,
+        &[&title, "mean", "from", "to", "lag 1"],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
 fn replicated(out: &mut String, replications: &Replications) {
-    let row = |label: &str, estimate: Option<Estimate>, places: usize| {
-        let [mean, low, high] = interval(estimate, places);
-        vec![label.to_owned(), mean, low, high]
-    };
     let rows = vec![
-        row("throughput an hour", replications.throughput_per_hour, 3),
-        row("mean lead time in s", replications.lead_time, 3),
-        row("95th percentile in s", replications.lead_time_p95, 3),
-        row("mean WIP", replications.wip, 3),
-        row("makespan in seconds", replications.makespan, 1),
-        row("energy in kWh", replications.energy_kwh, 4),
+        estimate_row(Measure::Throughput, replications.throughput_per_hour),
+        estimate_row(Measure::LeadTime, replications.lead_time),
+        estimate_row(Measure::LeadTimeP95, replications.lead_time_p95),
+        estimate_row(Measure::Wip, replications.wip),
+        estimate_row(Measure::Makespan, replications.makespan),
+        estimate_row(Measure::Energy, replications.energy_kwh),
     ];
     let title = match replications.seeds[..] {
         [first, .., last] => format!("seeds {first} to {last}, 95 %"),

@@ -253,7 +253,7 @@ fn replications_do_not_depend_on_the_number_of_threads() {
         parts: Some(300),
         ..Options::default()
     };
-    let make = || Ok(plant_of(QUEUE, options));
+    let make = |_: bool| Ok(plant_of(QUEUE, options));
     let (traces, figures) = plant_of(QUEUE, options).replicate(23);
     for threads in [1, 2, 3, 8, 40] {
         let (other, same) = replicate(threads, make, Count::Fixed(23)).expect("it runs");
@@ -269,7 +269,7 @@ fn replications_go_on_until_they_are_precise() {
         parts: Some(300),
         ..Options::default()
     };
-    let make = || Ok(plant_of(QUEUE, options));
+    let make = |_: bool| Ok(plant_of(QUEUE, options));
     let count = Count::Until {
         precision: 0.05,
         most: 1000,

@@ -4,7 +4,7 @@ use crate::models::{Builder, constant, refusing, span, took, verdict};
 use linewright::contract::line::{Comparison, InitialValue, Measure, Requirement, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::line::{Options, Plant};
-use linewright::report;
+use linewright::report::{self, Intervals};
 use linewright::station::{CallError, Controller, Service};
 
 fn plant() -> Plant {
@@ -196,7 +196,7 @@ fn as_json() {
           "starved_by": [
             {
               "place": "feeder",
-              "share": 0.029126,
+              "share": 0.223301,
               "failed": 0.0,
               "off_shift": 0.0
             }
@@ -323,14 +323,23 @@ fn as_json() {
 fn replications_in_both() {
     let mut plant = plant();
     let (traces, figures) = plant.replicate(4);
-    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    let document = report::json(
+        plant.line(),
+        &traces[0],
+        Some(Intervals::Replications(&figures)),
+        None,
+    );
     assert_eq!(document["replications"]["count"], 4);
     let throughput = &document["replications"]["throughput_per_hour"];
     assert_eq!(
         throughput["low"], throughput["high"],
         "nothing is random here"
     );
-    let text = report::table(plant.line(), &traces[0], Some(&figures));
+    let text = report::table(
+        plant.line(),
+        &traces[0],
+        Some(Intervals::Replications(&figures)),
+    );
     assert!(text.contains("seeds 1 to 4, 95 %"));
 }
 
@@ -413,20 +422,34 @@ fn runs_without_a_product_measure_nothing() {
              was not measured, since no product was finished",
         ]
     );
-    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    let document = report::json(
+        plant.line(),
+        &traces[0],
+        Some(Intervals::Replications(&figures)),
+        None,
+    );
     for requirement in document["requirements"].as_array().expect("they are there") {
         assert_eq!(requirement["value"], 15.0);
         assert_eq!(requirement["held_in"], 2);
         assert_eq!(requirement["worst"]["seed"], 3);
         assert!(requirement["worst"]["value"].is_null());
     }
-    let table = report::table(plant.line(), &traces[0], Some(&figures));
+    let table = report::table(
+        plant.line(),
+        &traces[0],
+        Some(Intervals::Replications(&figures)),
+    );
     let row = table.lines().find(|l| l.contains("soon")).expect("a row");
     assert!(row.contains("15.000") && row.ends_with('-'), "{table}");
 
     let figures = linewright::line::Replications::of(plant.line(), &traces[..1]);
     assert_eq!(figures.makespan, None);
-    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    let document = report::json(
+        plant.line(),
+        &traces[0],
+        Some(Intervals::Replications(&figures)),
+        None,
+    );
     assert!(document["replications"]["makespan_seconds"].is_null());
     assert!(document["requirements"][0]["value"].is_null());
 }
@@ -510,7 +533,12 @@ fn requirements_over_all_runs() {
     assert!(figures.findings.iter().all(|f| f.code.id == "LW406"));
     let gave_up: Vec<bool> = figures.findings.iter().map(|f| f.gave_up).collect();
     assert_eq!(gave_up, [true, false, true]);
-    let document = report::json(plant.line(), &traces[0], Some(&figures), None);
+    let document = report::json(
+        plant.line(),
+        &traces[0],
+        Some(Intervals::Replications(&figures)),
+        None,
+    );
     let requirements = document["requirements"].as_array().expect("they are there");
     let verdicts: Vec<_> = requirements
         .iter()
@@ -544,7 +572,11 @@ fn requirements_over_all_runs() {
         (&pace["worst"]["seed"], &pace["worst"]["value"]),
         (&7.into(), &120.0.into())
     );
-    let text = report::table(plant.line(), &traces[0], Some(&figures));
+    let text = report::table(
+        plant.line(),
+        &traces[0],
+        Some(Intervals::Replications(&figures)),
+    );
     assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
     let rows: Vec<&str> = text
         .lines()

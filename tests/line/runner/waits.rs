@@ -165,3 +165,34 @@ fn the_causes_add_up() {
     }
     assert!(blocked >= 3, "{:?}", trace.stations);
 }
+
+/// The shares by cause add up to the blocked and starved shares: with failures, shifts, a warm-up,
+/// waits that last at the end of the run, and a line that rests.
+#[test]
+fn the_causes_add_up_to_the_waits() {
+    let body = "part P
+        source rack: P every random 20 s limit 400
+        buffer tray capacity 2
+        station first { takes exponential(12 s) failures mtbf 10 min mttr 1 min }
+        station second { takes exponential(14 s) shift 6 h to 14 h }
+        station third { takes 10 s failures every 7 parts mttr 2 min }
+        sink out
+        route P: rack -> first -> tray -> second -> third -> out";
+    for (until, warm_up) in [(30_000.0, 0.0), (30_000.0, 25_000.0), (300_000.0, 20_000.0)] {
+        let trace = run(body, until, warm_up);
+        for station in &trace.stations {
+            for (kind, share) in [
+                (WaitKind::Blocked, station.shares.blocked),
+                (WaitKind::Starved, station.shares.starved),
+            ] {
+                let causes = station.waits.iter().filter(|wait| wait.kind == kind);
+                let sum: f64 = causes.map(|wait| wait.share).sum();
+                assert!(
+                    (sum - share).abs() < 1e-9,
+                    "{} until {until}: {kind:?} {sum} of {share}",
+                    station.name
+                );
+            }
+        }
+    }
+}

@@ -1,7 +1,9 @@
 //! `run` with several replications: verdicts on requirements.
 
 use super::session::Session;
+use crate::support::{PROGRAM, skip};
 use serde_json::Value;
+use std::process::{Command, Stdio};
 
 /// M/D/1 with one arrival a second: 3600 parts an hour are neither reached nor missed.
 const M_D_1: &str = "line L {
@@ -63,6 +65,103 @@ fn near_the_bound_nothing_is_decided() {
             "{help}"
         ),
     }
+}
+
+/// Table, document and exit code of a run in batches; a run has either batches or replications.
+#[test]
+fn batches_give_intervals() {
+    let session = session();
+    let line = "run md1.lw --until 11000 --warm-up 1000 --batches 20";
+    let table = session.run(line);
+    assert_eq!(table.code, 3, "{}", table.err);
+    let rows: Vec<&str> = table.out.lines().map(str::trim_start).collect();
+    let head = rows
+        .iter()
+        .find(|row| row.starts_with("20 batches of 0:08:20, 95 %"));
+    assert!(
+        head.is_some_and(|head| head.ends_with("from       to lag 1")),
+        "{}",
+        table.out
+    );
+    let row = rows.iter().find(|row| row.starts_with("pace "));
+    assert!(
+        row.is_some_and(|row| row.starts_with("pace        undecided ")),
+        "{row:?}"
+    );
+    assert!(
+        table
+            .err
+            .contains(", 20 batches), and should be at least 3600"),
+        "{}",
+        table.err
+    );
+    let json = session.run(&format!("{line} --format json"));
+    let document: Value = serde_json::from_str(&json.out).expect("JSON");
+    assert_eq!(json.code, 3);
+    let batches = &document["batches"];
+    assert_eq!(
+        (&batches["count"], &batches["seconds"]),
+        (&20.into(), &500.0.into())
+    );
+    // Batches of equal length have the figure of the run as their mean.
+    let (of_run, mean) = (
+        &document["throughput_per_hour"],
+        &batches["throughput_per_hour"]["mean"],
+    );
+    let difference = of_run
+        .as_f64()
+        .zip(mean.as_f64())
+        .map(|(a, b)| (a - b).abs());
+    assert!(
+        difference.is_some_and(|difference| difference < 2e-6),
+        "{of_run} {mean}"
+    );
+    assert_eq!(document["requirements"][0]["batches"], 20);
+    for other in ["--replications 3", "--precision 1%", "--what-if cell=10%"] {
+        let refused = session.run(&format!("{line} {other}"));
+        assert_eq!(refused.code, 2);
+        let option = other.split(' ').next().unwrap_or_default();
+        assert!(
+            refused.err.contains("'--batches <N>' cannot be used with")
+                && refused.err.contains(option),
+            "{}",
+            refused.err
+        );
+    }
+}
+
+/// On a terminal, a line says how far the run is; in a pipe nothing does, and the report is the
+/// same.
+#[test]
+fn progress_is_shown_on_a_terminal_only() {
+    let session = session();
+    let line = "run md1.lw --until 400000 --no-timing --format json";
+    let piped = session.run(line);
+    assert!(!piped.err.contains("running"), "{}", piped.err);
+    let command = format!("{PROGRAM} {line} > shown.json");
+    let folder = session.path(".");
+    // That of util-linux: elsewhere the command is given in another way.
+    let shown = Command::new("script")
+        .args(["--quiet", "--return", "--command", &command, "terminal.txt"])
+        .current_dir(&folder)
+        .env("LINEWRIGHT_CACHE", "off")
+        .env("TERM", "xterm")
+        .stdin(Stdio::null())
+        .output();
+    let shown = match shown {
+        Ok(output) if !String::from_utf8_lossy(&output.stderr).contains("option") => output,
+        Ok(_) => return skip("script", "it is not that of util-linux"),
+        Err(error) => return skip("script", &error.to_string()),
+    };
+    assert_eq!(shown.status.code(), Some(piped.code));
+    let terminal = std::fs::read(session.path("terminal.txt")).expect("what was shown");
+    let terminal = String::from_utf8_lossy(&terminal);
+    assert!(
+        terminal.contains("running: ") && terminal.contains(" %), WIP "),
+        "{terminal:?}"
+    );
+    let document = std::fs::read_to_string(session.path("shown.json")).expect("the report");
+    assert_eq!(document, piped.out);
 }
 
 /// A station that is 10 % faster: the same as its time divided by 1.1, and the difference of the
@@ -147,8 +246,24 @@ fn variants_in_words() {
     );
     let unknown = session.run("run md1.lw --until 1000 --what-if cel.takes=1s");
     assert!(
-        unknown.err.contains("did you mean `cell.takes`"),
+        unknown.err.contains("did you mean `cell.takes`")
+            && unknown.err.contains("--> --what-if cel.takes:1:1"),
         "{}",
         unknown.err
+    );
+    let number = session.run("run md1.lw --until 1000 --what-if cell=15");
+    assert_eq!(number.code, 2);
+    assert!(
+        number
+            .err
+            .contains("write `cell=15%` if the station is to be 15 % faster"),
+        "{}",
+        number.err
+    );
+    // The line uses no energy.
+    let compared = text.split("same seeds, 3 pairs").nth(1);
+    assert!(
+        compared.is_some_and(|table| !table.contains("energy")),
+        "{text}"
     );
 }

@@ -68,6 +68,12 @@ enum Next {
 }
 
 impl BeltState {
+    /// Of these counted seconds, those in which the belt moved, and its energy in joules.
+    pub(super) fn moved(&self, counted: f64, watts: f64, idle_watts: f64) -> (f64, f64) {
+        let moving = self.moving_seconds.min(counted);
+        (moving, moving * watts + (counted - moving) * idle_watts)
+    }
+
     pub(super) fn new(belt: &Belt) -> Self {
         let machine = &belt.machine;
         let defaults: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();

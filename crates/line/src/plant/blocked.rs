@@ -8,6 +8,7 @@
 
 use super::{Place, Run};
 use crate::plant::part::PartIndex;
+use crate::statistics::Activity;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{NodeKind, Supply};
@@ -95,12 +96,25 @@ impl Run<'_> {
             self.wait_until(warm_up);
             self.end_warm_up();
         }
+        while let Some(time) = self.next_cut().filter(|time| *time < horizon) {
+            self.rest_until(time);
+            self.end_batch();
+        }
+        self.rest_until(horizon);
+    }
+
+    /// Advances the run to `horizon` without anything that ends before.
+    fn rest_until(&mut self, horizon: f64) {
         let rest = horizon - self.now;
         for node in 0..self.nodes.len() {
             self.end_wait(node);
             let worked = self.working_seconds(node, horizon);
             if let Place::Station(station) = &mut self.nodes[node].place {
+                let kinds = [Activity::Blocked, Activity::Starved];
+                let before = kinds.map(|kind| station.clock.seconds_at(self.now, kind));
                 station.wait(self.now, worked.clamp(0.0, rest), horizon);
+                let after = kinds.map(|kind| station.clock.seconds_at(horizon, kind));
+                self.wait_on(node, after[0] - before[0], after[1] - before[1]);
             }
         }
         self.now = horizon;

@@ -41,7 +41,7 @@ pub(super) struct Conveyor {
 impl Conveyor {
     /// Counts the time in which something moved.
     fn book(&mut self, now: f64) {
-        self.moving_seconds += (self.moving_until.min(now) - self.booked).max(0.0);
+        self.moving_seconds = self.moving_seconds(now);
         self.booked = now;
     }
 
@@ -52,10 +52,9 @@ impl Conveyor {
         self.carried = 0;
     }
 
-    /// Seconds in which something moved.
-    pub(super) fn moving_seconds(&mut self, now: f64) -> f64 {
-        self.book(now);
-        self.moving_seconds
+    /// Seconds in which something moved, up to `now`.
+    pub(super) fn moving_seconds(&self, now: f64) -> f64 {
+        self.moving_seconds + (self.moving_until.min(now) - self.booked).max(0.0)
     }
 }
 

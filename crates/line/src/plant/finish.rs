@@ -13,13 +13,16 @@ use linewright_language::contract::line::{Line, NodeKind, Supply};
 impl Run<'_> {
     pub(super) fn finish(mut self, end: End) -> Trace {
         self.report_short_run();
+        let batches = self.close_batches(end);
         let (mut stations, mut conveyors, mut buffers) = (Vec::new(), Vec::new(), Vec::new());
         let mut sources = Vec::new();
         let now = self.now;
         let start = self.counting_start();
         let counted = now - start;
         for node in 0..self.nodes.len() {
-            self.end_wait(node);
+            if matches!(self.nodes[node].place, Place::Station(_)) {
+                self.end_starving(node);
+            }
         }
         for (index, node) in self.line.nodes.iter().enumerate() {
             match (&node.kind, &mut self.nodes[index].place) {
@@ -61,15 +64,15 @@ impl Run<'_> {
                     },
                     Place::Belt(belt),
                 ) => {
-                    let moving_seconds = belt.moving_seconds.min(counted);
+                    let idle_watts = declared.machine.idle_watts;
+                    let (moving_seconds, joules) = belt.moved(counted, *watts, idle_watts);
                     conveyors.push(ConveyorStatistics {
                         node: index,
                         name: node.name.clone(),
                         machine: Some(declared.machine.name.clone()),
                         carried: belt.carried,
                         moving_seconds,
-                        joules: moving_seconds * watts
-                            + (counted - moving_seconds) * declared.machine.idle_watts,
+                        joules,
                     });
                 }
                 (NodeKind::Source { .. }, Place::Source(source)) => {
@@ -174,6 +177,7 @@ impl Run<'_> {
             violation_count: self.journal.violation_count,
             requirements: Vec::new(),
             findings: self.journal.findings,
+            batches,
             log: self.journal.log,
         };
         requirement::check(self.line, &mut trace);

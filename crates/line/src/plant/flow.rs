@@ -630,6 +630,7 @@ impl Run<'_> {
                 .count_product(self.now, &self.parts[part], stored);
             self.progress
                 .count_product(self.events, self.journal.violation_count);
+            self.count_in_batch(part);
             if self.is_counting() && self.setup.target == Some(self.counters.products) {
                 self.end = Some(End::Products);
             }

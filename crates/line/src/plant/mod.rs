@@ -5,6 +5,7 @@
 //! stack is therefore bounded for lines of any length and shape. The behavior of each kind of node
 //! is in its own file here.
 
+mod batches;
 mod belt;
 mod blocked;
 mod buffer;
@@ -28,7 +29,8 @@ use super::calendar::Calendar;
 use super::random::{Purpose, Stream};
 use super::sampler::Sampler;
 use super::trace::{End, Trace};
-use super::{Options, validate};
+use super::{Monitor, Options, monitor, validate};
+use batches::Cuts;
 use belt::BeltState;
 use buffer::Buffer;
 use chooser::Chooser;
@@ -62,6 +64,10 @@ pub struct Plant {
 struct Setup {
     line: Arc<Line>,
     options: Options,
+    /// Watches the runs; `None` if nobody does.
+    monitor: Option<Arc<Monitor>>,
+    /// Whether the monitor shows the runs. If not, it only counts them.
+    is_shown: bool,
     /// Whether a pilot run has found the warm-up of the options.
     warm_up_found: bool,
     /// Number of end products after which the run ends; `None` if they do not end it.
@@ -113,14 +119,17 @@ enum Event {
     Shift,
     /// The warm-up ends.
     WarmUp,
+    /// A batch ends.
+    Batch,
 }
 
 impl Event {
     /// Whether the event can set something going in a line in which nothing moves: all except
-    /// shifts, which are handled separately, failures, and the end of the warm-up.
+    /// shifts, which are handled separately, failures, and the ends of the warm-up and of batches.
     #[inline]
     fn sets_going(self) -> bool {
-        !matches!(self, Self::Shift | Self::Failure(..) | Self::WarmUp)
+        let others = matches!(self, Self::Shift | Self::Failure(..));
+        !others && !matches!(self, Self::WarmUp | Self::Batch)
     }
 }
 
@@ -130,8 +139,9 @@ impl Event {
 const WORK: u8 = 0;
 const SHIFT: u8 = 1;
 const BELT: u8 = 2;
-/// The warm-up ends after everything else that happens at its instant.
+/// The warm-up, and then a batch, ends after everything else that happens at its instant.
 const WARM_UP: u8 = 3;
+const BATCH: u8 = 4;
 
 /// A node in a run.
 struct Node {
@@ -178,6 +188,8 @@ struct Run<'a> {
     counters: Counters,
     journal: Journal,
     progress: Progress,
+    /// The batches so far; `None` before counting begins, and if none are wanted.
+    cuts: Option<Cuts>,
 }
 
 impl Plant {
@@ -230,10 +242,21 @@ impl Plant {
                 Diagnostic::error(
                     codes::LINE_LIMIT,
                     line.span,
-                    format!("the run of {} is not longer than its warm-up", line.name),
+                    match horizon {
+                        Some(seconds) if warm_up <= LATEST_SECONDS => format!(
+                            "the run of {} ends at {}, and its warm-up not before {}",
+                            line.name,
+                            super::trace::clock(seconds),
+                            super::trace::clock(warm_up)
+                        ),
+                        _ => format!("the warm-up of {} is too long", line.name),
+                    },
                 )
                 .with_help("Let it run longer than the warm-up: `--warm-up 2h --until 10h`."),
             );
+        }
+        if let Some(count) = options.batches {
+            findings.extend(batches::refused(&line, count, target, horizon));
         }
         if !findings.is_empty() {
             return Err(findings);
@@ -266,6 +289,8 @@ impl Plant {
             setup: Setup {
                 line,
                 options,
+                monitor: None,
+                is_shown: false,
                 warm_up_found: false,
                 target,
                 horizon,
@@ -281,6 +306,14 @@ impl Plant {
             },
             controllers: slots,
         })
+    }
+
+    /// Lets a monitor watch the runs. `is_shown` states whether it shows them, or only counts them.
+    #[must_use]
+    pub fn watched(mut self, monitor: Option<Arc<Monitor>>, is_shown: bool) -> Self {
+        self.setup.monitor = monitor;
+        self.setup.is_shown = is_shown;
+        self
     }
 
     /// The line.
@@ -311,6 +344,13 @@ impl Plant {
             controller.reset();
         }
         Run::new(&self.setup, &mut self.controllers, seed)
+    }
+
+    /// Counts a complete run for the monitor.
+    pub(super) fn count_run(&self) {
+        if let Some(monitor) = &self.setup.monitor {
+            monitor.count_run();
+        }
     }
 
     /// Why no further run begins; `None` if the wall-clock deadline has not passed.
@@ -387,6 +427,7 @@ impl<'a> Run<'a> {
             counters: Counters::new(line, seed),
             journal: Journal::default(),
             progress: Progress::default(),
+            cuts: None,
         }
     }
 
@@ -398,6 +439,8 @@ impl<'a> Run<'a> {
         self.schedule_shift();
         if self.setup.options.warm_up > 0.0 {
             self.schedule(self.setup.options.warm_up, WARM_UP, Event::WarmUp);
+        } else {
+            self.begin_batches();
         }
         for node in 0..self.nodes.len() {
             self.schedule_failures(node);
@@ -431,6 +474,9 @@ impl<'a> Run<'a> {
             self.guard();
             if self.events.is_multiple_of(DEADLINE_CHECK_INTERVAL) {
                 self.check_deadline();
+                if self.events.is_multiple_of(monitor::INTERVAL) {
+                    self.show_progress();
+                }
             }
         }
     }
@@ -451,6 +497,12 @@ impl<'a> Run<'a> {
             Event::Expiry(node) => self.expire(node as usize),
             Event::Shift => self.change_shift(),
             Event::WarmUp => self.end_warm_up(),
+            Event::Batch => {
+                // It belongs to the accounts, not to the line.
+                self.events -= 1;
+                self.progress.skip_event();
+                self.end_batch();
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! Detects that a run makes no progress: either a livelock, or work that leads to no product.
 
 use super::Run;
+use crate::monitor::Snapshot;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
@@ -138,6 +139,29 @@ impl Run<'_> {
                 ),
             );
         }
+    }
+
+    /// Shows how far the run is, if somebody watches.
+    pub(super) fn show_progress(&self) {
+        let setup = self.setup;
+        let Some(monitor) = setup.monitor.as_ref().filter(|_| setup.is_shown) else {
+            return;
+        };
+        let products = self.counters.products as f64;
+        let counted = self.now - self.counting_start();
+        let of_time = setup.horizon.map_or(0.0, |horizon| self.now / horizon);
+        let target = setup.target.filter(|_| self.is_counting());
+        let of_products = target.map_or(0.0, |target| products / target as f64);
+        monitor.write(Snapshot {
+            now: self.now,
+            share: of_time.max(of_products).min(1.0),
+            wip: self.counters.units.level(),
+            throughput_per_hour: if counted > 0.0 {
+                products * 3600.0 / counted
+            } else {
+                0.0
+            },
+        });
     }
 
     /// Gives up at the wall-clock deadline.

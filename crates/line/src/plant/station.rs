@@ -362,20 +362,33 @@ impl Station {
     /// Books the time from `now` to `until`, in which nothing changes and the given seconds are on
     /// shift.
     pub(super) fn wait(&mut self, now: f64, on_shift_seconds: f64, until: f64) {
-        self.on_shift = true;
+        let on_shift = std::mem::replace(&mut self.on_shift, true);
         self.book(now);
+        self.on_shift = on_shift;
         self.clock.switch(now + on_shift_seconds, Activity::Idle);
         self.clock.switch(until, Activity::Idle);
     }
 
-    /// Forgets what has been counted. Of a service in progress, only the energy from now on counts.
-    pub(super) fn forget(&mut self, now: f64) {
-        let left = if self.running {
+    /// Seconds left in this phase at `now`.
+    fn left(&self, now: f64) -> f64 {
+        if self.running {
             (self.remaining - (now - self.resumed)).max(0.0)
         } else {
             self.remaining
-        };
-        self.joules = -self.joules_used(left);
+        }
+    }
+
+    /// Energy in joules that the station has used up to `now`, with that of a service in progress
+    /// and with the idle power outside work.
+    pub(super) fn joules(&self, now: f64, idle_watts: f64) -> f64 {
+        let clock = self.clock.at(now);
+        let outside = (clock.total() - clock.seconds(Activity::Busy)).max(0.0);
+        self.joules + self.joules_used(self.left(now)) + idle_watts * outside
+    }
+
+    /// Forgets what has been counted. Of a service in progress, only the energy from now on counts.
+    pub(super) fn forget(&mut self, now: f64) {
+        self.joules = -self.joules_used(self.left(now));
         self.clock.forget(now);
         self.processed = 0;
         self.control_seconds = 0.0;
@@ -389,11 +402,9 @@ impl Station {
     /// Closes the accounts at the end of a run: books the time since the last change, and the
     /// energy that a service in progress has used.
     pub(super) fn close(&mut self, now: f64, idle_watts: f64) {
+        self.joules = self.joules(now, idle_watts);
         self.pause(now);
         self.book(now);
-        self.joules += self.joules_so_far();
-        self.joules +=
-            idle_watts * (self.clock.total() - self.clock.seconds(Activity::Busy)).max(0.0);
     }
 }
 

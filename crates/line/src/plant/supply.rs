@@ -112,6 +112,11 @@ impl Source {
         )
     }
 
+    /// Number of parts that have left, and of those that went into a sink with `rejects`.
+    pub(super) fn passed_and_lost(&self) -> (u64, u64) {
+        (self.passed, self.lost)
+    }
+
     /// Sets the number of parts that are still to be made on order.
     pub(super) fn limit_orders(&mut self, count: u64) {
         self.left_to_make = Some(count);
@@ -227,7 +232,7 @@ impl Run<'_> {
     /// Schedules the next part of a source, if it is not due yet. Called at the start, and when a
     /// part was made.
     pub(super) fn schedule_arrival(&mut self, node: usize) {
-        if let Place::Source(source) = &self.places[node]
+        if let Place::Source(source) = &self.nodes[node].place
             && !source.due
             && source.is_planned()
         {

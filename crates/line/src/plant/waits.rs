@@ -199,6 +199,7 @@ impl Run<'_> {
     }
 
     /// Charges the time for which a station was starved to the place from which the last part came.
+    /// At the end of a run, in which no part has ended the wait, this is the part before.
     pub(super) fn end_starving(&mut self, node: usize) {
         self.end_wait(node);
         let setup: &Setup = self.setup;
@@ -215,6 +216,18 @@ impl Run<'_> {
             charge(&mut waits.starved, supplier, None, seconds, down);
         }
         waits.starved_down.clear();
+    }
+
+    /// Counts the seconds for which a station waits in a line that rests, after its interval has
+    /// ended: for the same places as in the interval.
+    pub(super) fn wait_on(&mut self, node: usize, blocked: f64, starved: f64) {
+        let waits = &mut self.station(node).waits;
+        waits.starved_seconds += starved;
+        if blocked > 0.0 {
+            let (place, station) = waits.blocker;
+            let down = Down::default();
+            charge(&mut waits.blocked, place, station, blocked, down);
+        }
     }
 
     /// The place for which the part of a station waits, the first one if there are several.

@@ -87,6 +87,7 @@ impl Run<'_> {
             self.begin_wait(node);
         }
         self.counters.forget(self.line, now, self.seed);
+        self.begin_batches();
         let (Some(target), Some(product)) = (self.setup.target, self.line.only_product()) else {
             return;
         };

@@ -1,0 +1,262 @@
+//! Cuts a run into batches: at each end of a batch, the accounts are read, and nothing is changed.
+//! What a batch contributed is the difference of two readings. A run with batches is therefore the
+//! same as one without, and its figures are those of the whole run.
+//!
+//! If time ends the run, all batches last equally long. If products end it, all batches have as
+//! many of them, or one more: how long the run will last is not known when a batch has to end.
+
+use super::part::PartIndex;
+use super::{BATCH, Event, Place, Run};
+use crate::batches::{Batch, PlaceFigures};
+use crate::statistics::{Clock, LeadTimes, Level, Waits};
+use crate::trace::{End, LeadTime};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_language::contract::line::{Line, NodeKind};
+
+/// Minimum number of products in a batch that products end.
+const MIN_PRODUCTS: u64 = 10;
+
+/// The readings of a run so far.
+pub(super) struct Cuts {
+    /// Number of batches that are wanted.
+    count: u32,
+    /// At the beginning of the first batch, and at the end of each.
+    readings: Vec<Reading>,
+    /// Lead times of the products of this batch.
+    lead_times: LeadTimes,
+    /// Whether the end of this batch is scheduled.
+    is_due: bool,
+}
+
+/// What has been counted up to a moment.
+struct Reading {
+    /// In seconds.
+    time: f64,
+    products: u64,
+    rejected: u64,
+    /// Of the products of the batch that ends here.
+    lead_time: LeadTime,
+    units: Level,
+    accounts: Vec<Account>,
+}
+
+/// What has been counted at a node.
+enum Account {
+    /// Time by activity, and energy in joules.
+    Station(Clock, f64),
+    /// Energy in joules.
+    Conveyor(f64),
+    Buffer(Level, Waits),
+    /// Number of parts that have left, and of those that were lost.
+    Source(u64, u64),
+    Nothing,
+}
+
+/// Why a run cannot be cut into this many batches.
+pub(super) fn refused(
+    line: &Line,
+    count: u32,
+    target: Option<u64>,
+    horizon: Option<f64>,
+) -> Option<Diagnostic> {
+    let least = u64::from(count).saturating_mul(MIN_PRODUCTS);
+    let (message, help) = match (target, horizon) {
+        (Some(_), Some(_)) => (
+            format!(
+                "the run of {} has two ends, and its batches need one",
+                line.name
+            ),
+            "Give either --parts or --until with --batches.".to_owned(),
+        ),
+        (Some(target), None) if target < least => (
+            format!(
+                "the {target} products of {} are too few for {count} batches",
+                line.name
+            ),
+            format!(
+                "A batch needs at least {MIN_PRODUCTS} products, and better some hundreds: `--parts {least}` or more, or fewer batches."
+            ),
+        ),
+        _ => return None,
+    };
+    Some(Diagnostic::error(codes::LINE_LIMIT, line.span, message).with_help(help))
+}
+
+impl Run<'_> {
+    /// Begins the first batch, if batches are wanted.
+    pub(super) fn begin_batches(&mut self) {
+        let Some(count) = self.setup.options.batches else {
+            return;
+        };
+        self.cuts = Some(Cuts {
+            count,
+            readings: Vec::new(),
+            lead_times: LeadTimes::new(self.seed),
+            is_due: false,
+        });
+        self.end_batch();
+    }
+
+    /// Ends a batch, and begins the next one.
+    pub(super) fn end_batch(&mut self) {
+        let Some(mut cuts) = self.cuts.take() else {
+            return;
+        };
+        let lead_times = std::mem::replace(&mut cuts.lead_times, LeadTimes::new(self.seed));
+        cuts.readings.push(self.reading(lead_times.summary()));
+        cuts.is_due = false;
+        self.cuts = Some(cuts);
+        if let Some(time) = self.next_cut() {
+            self.schedule(time, BATCH, Event::Batch);
+        }
+        self.cut_after_products();
+    }
+
+    /// Counts an end product in its batch.
+    pub(super) fn count_in_batch(&mut self, part: PartIndex) {
+        if let Some(cuts) = &mut self.cuts {
+            cuts.lead_times.add(self.now - self.parts[part].entered_at);
+            self.cut_after_products();
+        }
+    }
+
+    /// When this batch ends, in seconds; `None` if it is the last one, or if products end it.
+    pub(super) fn next_cut(&self) -> Option<f64> {
+        let cuts = self.cuts.as_ref()?;
+        let number = cuts.readings.len() as u32;
+        let (start, end) = (cuts.readings.first()?.time, self.setup.horizon?);
+        let share = f64::from(number) / f64::from(cuts.count);
+        (number < cuts.count).then_some(start + (end - start) * share)
+    }
+
+    /// Schedules the end of this batch for this instant if it has its products. Later ones at the
+    /// same instant belong to it, too.
+    fn cut_after_products(&mut self) {
+        let (Some(cuts), Some(target)) = (&mut self.cuts, self.setup.target) else {
+            return;
+        };
+        let (number, count) = (cuts.readings.len() as u64, u64::from(cuts.count));
+        let products = u128::from(target) * u128::from(number) / u128::from(count);
+        if number < count && !cuts.is_due && u128::from(self.counters.products) >= products {
+            cuts.is_due = true;
+            self.schedule(self.now, BATCH, Event::Batch);
+        }
+    }
+
+    /// Reads all accounts.
+    fn reading(&self, lead_time: LeadTime) -> Reading {
+        let now = self.now;
+        let counted = now - self.counting_start();
+        let places = self.nodes.iter().map(|node| &node.place);
+        let nodes = self.line.nodes.iter().zip(places);
+        let accounts = nodes.map(|(node, place)| match (&node.kind, place) {
+            (NodeKind::Station(declared), Place::Station(station)) => {
+                let joules = station.joules(now, declared.idle_watts);
+                Account::Station(station.clock.at(now), joules)
+            }
+            (NodeKind::Conveyor { watts, .. }, Place::Conveyor(conveyor)) => {
+                Account::Conveyor(conveyor.moving_seconds(now) * watts)
+            }
+            (
+                NodeKind::Conveyor {
+                    watts,
+                    belt: Some(declared),
+                    ..
+                },
+                Place::Belt(belt),
+            ) => {
+                let (_, joules) = belt.moved(counted, *watts, declared.machine.idle_watts);
+                Account::Conveyor(joules)
+            }
+            (_, Place::Buffer(buffer)) => Account::Buffer(buffer.level.at(now), buffer.waits),
+            (_, Place::Source(source)) => {
+                let (passed, lost) = source.passed_and_lost();
+                Account::Source(passed, lost)
+            }
+            _ => Account::Nothing,
+        });
+        Reading {
+            time: now,
+            products: self.counters.products,
+            rejected: self.counters.rejects.iter().map(|(count, _)| count).sum(),
+            lead_time,
+            units: self.counters.units.at(now),
+            accounts: accounts.collect(),
+        }
+    }
+
+    /// The batches of a run that has ended; empty if it ended before the last one.
+    pub(super) fn close_batches(&mut self, end: End) -> Vec<Batch> {
+        let Some(count) = self.cuts.as_ref().map(|cuts| cuts.count as usize) else {
+            return Vec::new();
+        };
+        // The last products may have come at one instant with those that end the batch before.
+        let is_open = |run: &Self| {
+            let cuts = run.cuts.as_ref();
+            cuts.is_some_and(|cuts| cuts.readings.len() <= count)
+        };
+        while matches!(end, End::Products | End::Time) && is_open(self) {
+            self.end_batch();
+        }
+        let readings = self.cuts.take().map_or(Vec::new(), |cuts| cuts.readings);
+        if readings.len() <= count {
+            return Vec::new();
+        }
+        let pairs = readings.iter().zip(readings.iter().skip(1));
+        pairs
+            .map(|(from, to)| self.batch(count, from, to))
+            .collect()
+    }
+
+    /// The batch between two readings, one of `count`.
+    fn batch(&self, count: usize, from: &Reading, to: &Reading) -> Batch {
+        let mut joules = 0.0;
+        let places = self.nodes.iter().map(|node| &node.place);
+        let accounts = from.accounts.iter().zip(&to.accounts).zip(places);
+        let places = accounts.map(|((before, after), place)| match (before, after, place) {
+            (
+                Account::Station(earlier, before),
+                Account::Station(clock, after),
+                Place::Station(station),
+            ) => {
+                joules += after - before;
+                PlaceFigures::Station(clock.after(earlier).shares(station.visited))
+            }
+            (Account::Conveyor(before), Account::Conveyor(after), _) => {
+                joules += after - before;
+                PlaceFigures::Other
+            }
+            (Account::Buffer(earlier, waited), Account::Buffer(level, waits), _) => {
+                let (level, waits) = (level.after(earlier), waits.after(*waited));
+                PlaceFigures::Buffer {
+                    passed: waits.count,
+                    length: level.mean(),
+                    full: level.full_share(),
+                    wait: waits.mean(),
+                }
+            }
+            (Account::Source(left, lost), Account::Source(passed, all_lost), _) => {
+                PlaceFigures::Source {
+                    passed: passed - left,
+                    lost: all_lost - lost,
+                }
+            }
+            _ => PlaceFigures::Other,
+        });
+        let places = places.collect();
+        let calendar = self.line.calendar.as_ref();
+        let worked = calendar
+            .map(|calendar| calendar.worked_until(to.time) - calendar.worked_until(from.time));
+        Batch {
+            count,
+            seconds: to.time - from.time,
+            on_shift_seconds: worked,
+            products: to.products - from.products,
+            rejected: to.rejected - from.rejected,
+            lead_time: to.lead_time,
+            wip: to.units.after(&from.units).mean(),
+            joules,
+            places,
+        }
+    }
+}
