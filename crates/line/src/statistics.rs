@@ -305,23 +305,24 @@ impl LeadTimes {
         if self.count == 0 {
             return LeadTime::default();
         }
-        self.sample.sort_unstable_by(f64::total_cmp);
         LeadTime {
             mean: self.sum / self.count as f64,
-            p50: nearest_rank(&self.sample, 0.50),
-            p95: nearest_rank(&self.sample, 0.95),
+            p50: nearest_rank(&mut self.sample, 0.50),
+            p95: nearest_rank(&mut self.sample, 0.95),
             max: self.max,
         }
     }
 }
 
-/// The smallest value that at least this share of the sorted values does not exceed (nearest rank).
-fn nearest_rank(sorted: &[f64], share: f64) -> f64 {
-    let rank = (share * sorted.len() as f64).ceil() as usize;
-    sorted
-        .get(rank.clamp(1, sorted.len().max(1)) - 1)
-        .copied()
-        .unwrap_or(0.0)
+/// The smallest value that at least this share of the values does not exceed (nearest rank); 0
+/// without values. Reorders the values, in linear time.
+fn nearest_rank(values: &mut [f64], share: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let rank = (share * values.len() as f64).ceil() as usize;
+    let index = rank.clamp(1, values.len()) - 1;
+    *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
 /// The 97.5 % quantile of Student's t distribution: half the width of a 95 % confidence interval,
