@@ -220,7 +220,7 @@ impl Run<'_> {
                 Place::Station(station),
             ) => {
                 joules += after - before;
-                PlaceFigures::Station(clock.after(earlier).shares(station.visited))
+                PlaceFigures::Station(clock.after(earlier).shares(station.is_visited()))
             }
             (Account::Conveyor(before), Account::Conveyor(after), _) => {
                 joules += after - before;

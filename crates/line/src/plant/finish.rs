@@ -36,7 +36,7 @@ impl Run<'_> {
                             .as_ref()
                             .map(|machine| machine.name.clone()),
                         processed: station.processed,
-                        shares: station.clock.shares(station.visited),
+                        shares: station.clock.shares(station.is_visited()),
                         busy_seconds: station.clock.seconds(Activity::Busy),
                         joules: station.joules,
                         work_time: station.work_time(),

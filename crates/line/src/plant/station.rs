@@ -15,10 +15,9 @@ use linewright_station::{CallError, ErrorCode, Service};
 /// State of a station.
 #[derive(Debug)]
 pub(super) struct Station {
-    /// By task: its places for components; no places if the task joins nothing.
+    /// By task: its places for components; no places if the task joins nothing. Empty if no task
+    /// joins anything.
     pub bills: Vec<Bill>,
-    /// Whether some task joins components.
-    joins_some: bool,
     /// The first of the parallel stations that it belongs to, or the station itself.
     first_copy: u32,
     /// Part type of each task.
@@ -63,7 +62,6 @@ pub(super) struct Station {
     pub clock: Clock,
     pub joules: f64,
     pub processed: u64,
-    pub visited: bool,
     /// Seconds of control in the services that ended, and their total duration without failures.
     pub control_seconds: f64,
     pub work_seconds: f64,
@@ -123,9 +121,11 @@ impl Station {
                 .collect(),
             complete: None,
         });
-        let bills: Vec<_> = bills.collect();
+        let mut bills: Vec<_> = bills.collect();
+        if bills.iter().all(|bill| bill.lines.is_empty()) {
+            bills.clear();
+        }
         Self {
-            joins_some: bills.iter().any(|bill| !bill.lines.is_empty()),
             bills,
             first_copy,
             plain: tasks
@@ -163,7 +163,6 @@ impl Station {
             }),
             joules: 0.0,
             processed: 0,
-            visited: false,
             control_seconds: 0.0,
             work_seconds: 0.0,
             lost_seconds: 0.0,
@@ -186,7 +185,12 @@ impl Station {
 
     /// Whether some task joins components.
     pub(super) fn joins_some(&self) -> bool {
-        self.joins_some
+        !self.bills.is_empty()
+    }
+
+    /// Whether a part has ever come.
+    pub(super) fn is_visited(&self) -> bool {
+        self.waits.supplier.is_some()
     }
 
     /// Whether there is a free place for a component of this type.
@@ -197,15 +201,12 @@ impl Station {
     /// Whether all components of some bill are present.
     #[inline]
     pub(super) fn has_complete_bill(&self) -> bool {
-        self.joins_some && self.bills.iter().any(|bill| bill.complete.is_some())
+        self.bills.iter().any(|bill| bill.complete.is_some())
     }
 
     /// The first free place for a component of this type, as task and line of its bill.
     #[inline]
     fn component_place(&self, kind: usize) -> Option<(usize, usize)> {
-        if !self.joins_some {
-            return None;
-        }
         self.bills.iter().enumerate().find_map(|(task, bill)| {
             bill.lines
                 .iter()
@@ -451,7 +452,6 @@ impl Run<'_> {
         let arriving = &self.parts[part];
         let (kind, came_from) = (arriving.kind, arriving.came_from);
         let station = self.station(node);
-        station.visited = true;
         station.waits.supplier = came_from;
         if let Some((task, line)) = station.component_place(kind) {
             let bill = &mut station.bills[task];
