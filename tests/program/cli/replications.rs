@@ -135,7 +135,7 @@ fn batches_give_intervals() {
 #[test]
 fn progress_is_shown_on_a_terminal_only() {
     let session = session();
-    let line = "run md1.lw --until 400000 --no-timing --format json";
+    let line = "run md1.lw --until 2000000 --no-timing --format json";
     let piped = session.run(line);
     assert!(!piped.err.contains("running"), "{}", piped.err);
     let command = format!("{PROGRAM} {line} > shown.json");

@@ -15,9 +15,9 @@
 //!
 //! Shipped libraries are optimized ([`Toolchain::shipping`]). Libraries that the bundled runner
 //! builds for itself are not ([`Toolchain::host`]), unless it is asked for many parts, because a
-//! run recovers the cost of optimizing only after some hundred thousand steps. `-O2` takes twice as long to compile without making
-//! steps faster, because a step is a chain of short decisions. The figures are in
-//! `tests/bench/README.md`.
+//! run recovers the cost of optimizing only after some hundred thousand steps. `-O2` takes twice as
+//! long to compile without making steps faster, because a step is a chain of short decisions. The
+//! figures are in `tests/bench/README.md`.
 
 pub mod compiler;
 mod manifest;
