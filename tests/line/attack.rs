@@ -74,6 +74,10 @@ fn what_is_proved_holds_in_runs() {
         }
     }
     println!("{table}");
+    println!(
+        "{} products in long runs",
+        runs::MADE_IN_LONG_RUNS.load(std::sync::atomic::Ordering::Relaxed)
+    );
     assert!(table.broken.is_empty(), "{}", table.broken.join("\n"));
     assert!(
         table.without_reason.is_empty(),

@@ -1,6 +1,6 @@
 //! Shows how far a run is, while it goes on.
 //!
-//! The event loop writes a snapshot every [`INTERVAL`] events, and only if nobody is reading the
+//! The event loop writes a snapshot every `INTERVAL` events, and only if nobody is reading the
 //! last one, so that runs neither wait nor depend on who reads.
 
 use std::sync::Mutex;

@@ -13,6 +13,7 @@ use linewright::station::interpret::Interpreter;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 /// Number of products ordered.
@@ -23,6 +24,15 @@ pub const SECONDS: f64 = 5_000.0;
 /// most this many events have happened in it: times may be a million times a property, but a line
 /// in which much happens and nothing is made has failed.
 const LONGER: [(f64, u64); 2] = [(10.0, u64::MAX), (20_000.0, 20_000)];
+
+/// Number of products that long runs have made.
+pub static MADE_IN_LONG_RUNS: AtomicU64 = AtomicU64::new(0);
+
+/// Number of products of the long run of each line; `None` if there are no long runs.
+fn parts_of_long_runs() -> Option<u64> {
+    let given = std::env::var("LINEWRIGHT_ATTACK_PARTS").ok();
+    given.map(|text| text.parse().expect("a number of products"))
+}
 
 /// Something that must not happen in a proved line.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -130,11 +140,28 @@ impl World {
                 return Some(failures);
             }
         }
+        if let Some(parts) = parts_of_long_runs() {
+            let trace = self.run_long(line, seeds[0], parts)?;
+            MADE_IN_LONG_RUNS.fetch_add(trace.products, Ordering::Relaxed);
+            failures.extend(failures_of(line, &trace));
+        }
         // With a time limit only, every type has to come through.
         let trace = self.run(line, seeds[0], None, seconds)?;
         failures.extend(failures_of(line, &trace));
         failures.extend(never_through(line, &trace));
         Some(failures)
+    }
+
+    /// One run to this many products, within a billion seconds and two minutes of the wall clock.
+    fn run_long(&self, line: &Line, seed: u64, parts: u64) -> Option<Trace> {
+        let options = Options {
+            seed,
+            parts: Some(parts),
+            until: Some(1e9),
+            deadline: linewright::deadline::Deadline::from_now(Duration::from_mins(2)),
+            ..Options::default()
+        };
+        Some(self.plant(line, options)?.run())
     }
 
     /// One run. For a line with a shift only the working time counts.
