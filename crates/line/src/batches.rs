@@ -13,8 +13,8 @@
 //! # What a batch gives
 //!
 //! Means over time are those of the batch, and so are means over parts, such as lead times. Totals
-//! (products, rejected parts, energy) are multiplied by the number of batches. Maxima, the makespan
-//! and violations are of the whole run: they have no interval.
+//! (products, rejected parts, energy) are multiplied by the number of batches. Maxima, makespan,
+//! violations, yields and OEE are of the whole run: they have no interval.
 //!
 //! Batches differ in what their means are taken over: in the number of parts, or in time if
 //! products end them. The mean over all batches is therefore weighted, by parts or time, and is the
@@ -164,6 +164,9 @@ fn is_of_run(measure: Measure) -> bool {
             | Measure::LeadTimeMax
             | Measure::WipMax
             | Measure::Violations
+            | Measure::FirstPassYield
+            | Measure::Scrap
+            | Measure::Oee
             | Measure::LengthMax
             | Measure::WaitMax
     )

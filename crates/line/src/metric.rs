@@ -1,6 +1,6 @@
 //! Values of metrics in a run, and in its batches.
 
-use super::trace::{BufferStatistics, Shares, Trace};
+use super::trace::{BufferStatistics, Oee, Shares, Trace};
 use linewright_language::contract::metric::{Measure, Metric, PlaceKind};
 
 /// Joules in a kilowatt hour.
@@ -36,7 +36,10 @@ impl Figures for Trace {
         match measure.info().place? {
             PlaceKind::Station => {
                 let station = self.stations.iter().find(|s| s.node == node)?;
-                Some(of_station(measure, station.shares))
+                match measure {
+                    Measure::Oee => station.oee.as_ref().map(Oee::index),
+                    _ => Some(of_station(measure, station.shares)),
+                }
             }
             PlaceKind::Buffer => {
                 let buffer = self.buffers.iter().find(|b| b.node == node)?;
@@ -67,6 +70,8 @@ fn of_line(measure: Measure, trace: &Trace) -> Option<f64> {
         Measure::Energy => Some(kwh),
         Measure::EnergyPerProduct => of_products(kwh / trace.products as f64),
         Measure::Rejected => Some(trace.parts.rejected as f64),
+        Measure::FirstPassYield => trace.yields.first_pass_yield(),
+        Measure::Scrap => trace.yields.scrap_ratio(),
         Measure::Products => Some(trace.products as f64),
         Measure::Violations => Some(trace.violation_count as f64),
         Measure::Throughput => Some(trace.throughput_per_hour),

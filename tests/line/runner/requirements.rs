@@ -128,6 +128,9 @@ fn requirements_speak_of_all_measures() {
         requirement q: wait(queue) >= 0 s
         requirement r: wait_max(queue) >= 0 s
         requirement s: lost(rack) >= 0 %
+        requirement t: first_pass_yield >= 0 %
+        requirement u: scrap >= 0 %
+        requirement v: oee(cell) >= 0 %
     }";
     let mut plant = plant_of(
         text,
@@ -166,6 +169,14 @@ fn requirements_speak_of_all_measures() {
         queue.wait,
         queue.longest_wait,
         source.lost,
+        trace.yields.first_pass_yield().unwrap(),
+        trace.yields.scrap_ratio().unwrap(),
+        trace
+            .stations
+            .iter()
+            .map(|s| s.oee.as_ref().unwrap().index())
+            .sum::<f64>()
+            / 2.0,
     ];
     for (index, (value, expected)) in values.iter().zip(expected).enumerate() {
         assert!(

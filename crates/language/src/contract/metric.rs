@@ -53,6 +53,10 @@ pub enum Measure {
     EnergyPerProduct,
     /// Number of rejected parts.
     Rejected,
+    /// Share of the parts that left the line good at the first pass.
+    FirstPassYield,
+    /// Share of the parts that left the line as scrap.
+    Scrap,
     /// Number of end products.
     Products,
     /// Number of contract violations.
@@ -69,6 +73,8 @@ pub enum Measure {
     Setup,
     /// Share of the time in which a station is off shift.
     Idle,
+    /// Overall equipment effectiveness of a station.
+    Oee,
     /// Mean number of parts in a buffer.
     Length,
     /// Maximum number of parts in a buffer.
@@ -164,7 +170,7 @@ pub struct MeasureInfo {
 }
 
 /// All measures, in the order of [`Measure`].
-pub const MEASURES: [MeasureInfo; 26] = {
+pub const MEASURES: [MeasureInfo; 29] = {
     use Measure as M;
     use MeasureUnit::{KilowattHours, Number, PerHour, Seconds, Share};
     use PlaceKind::{Buffer, Source, Station};
@@ -188,6 +194,12 @@ pub const MEASURES: [MeasureInfo; 26] = {
     const fn of_products(info: MeasureInfo) -> MeasureInfo {
         MeasureInfo {
             absent: Some("no product was finished"),
+            ..info
+        }
+    }
+    const fn of_parts(info: MeasureInfo) -> MeasureInfo {
+        MeasureInfo {
+            absent: Some("no part left the line"),
             ..info
         }
     }
@@ -282,6 +294,20 @@ pub const MEASURES: [MeasureInfo; 26] = {
             "rejected parts",
             "the number of rejected parts",
         ),
+        of_parts(of_line(
+            M::FirstPassYield,
+            "first_pass_yield",
+            Share,
+            "first-pass yield",
+            "the first-pass yield",
+        )),
+        of_parts(of_line(
+            M::Scrap,
+            "scrap",
+            Share,
+            "scrap",
+            "the share of scrap",
+        )),
         of_line(
             M::Products,
             "products",
@@ -344,6 +370,13 @@ pub const MEASURES: [MeasureInfo; 26] = {
             Station,
             of_line(M::Idle, "idle", Share, "idle share of", "the idle share of"),
         ),
+        MeasureInfo {
+            absent: Some("it finished no part"),
+            ..of_place(
+                Station,
+                of_line(M::Oee, "oee", Share, "OEE of", "the OEE of"),
+            )
+        },
         of_place(
             Buffer,
             of_line(
