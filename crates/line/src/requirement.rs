@@ -319,7 +319,7 @@ pub(super) fn unmet(
                         fails_in_run(line, requirement, result.worst_value)
                     }
                     _ if result.by_run => fails_in_runs(line, requirement, result, sample),
-                    _ => fails(line, requirement, result, sample),
+                    _ => judged(line, requirement, result, sample, "does not hold"),
                 };
                 findings.push(
                     Diagnostic::error(codes::LINE_REQUIREMENT, requirement.span, message)
@@ -353,14 +353,16 @@ fn interval(result: &ReplicatedRequirement, sample: Sample<'_>) -> String {
     )
 }
 
-fn fails(
+/// The verdict on a requirement with the interval and the bound.
+fn judged(
     line: &Line,
     requirement: &Requirement,
     result: &ReplicatedRequirement,
     sample: Sample<'_>,
+    verdict: &str,
 ) -> String {
     format!(
-        "the requirement {} does not hold: {} {} ({}), and should be {} {}",
+        "the requirement {} {verdict}: {} {} ({}), and should be {} {}",
         requirement.name,
         line.subject_of(&requirement.metric),
         is(&requirement.metric, result.value.map(|value| value.mean)),
@@ -407,15 +409,7 @@ fn undecided(
     sample: Sample<'_>,
     more: Option<u64>,
 ) -> Diagnostic {
-    let message = format!(
-        "the requirement {} is undecided: {} {} ({}), and should be {} {}",
-        requirement.name,
-        line.subject_of(&requirement.metric),
-        is(&requirement.metric, result.value.map(|value| value.mean)),
-        interval(result, sample),
-        words(requirement.comparison),
-        requirement.bound,
-    );
+    let message = judged(line, requirement, result, sample, "is undecided");
     let help = match (sample, more) {
         _ if requirement.comparison == Comparison::Eq => {
             "A mean that varies is never exactly a number: use `<=` or `>=`.".to_owned()

@@ -188,20 +188,10 @@ impl Run<'_> {
     /// Moves a node's next parts to its outlets, or lets a station join. Then gives the node's room
     /// to the parts that wait for it.
     fn examine(&mut self, node: usize) {
-        let Node {
-            place,
-            outlet,
-            requests,
-        } = &self.nodes[node];
+        let Node { place, outlet, .. } = &self.nodes[node];
         let outlet = *outlet;
         match place {
             Place::Station(station) => {
-                if requests.is_empty() && !station.joins_some() {
-                    if let Some(activity) = station.begins_wait() {
-                        self.begin_interval(node, activity);
-                    }
-                    return;
-                }
                 if station.joins_some() {
                     self.station_ready(node);
                 }
@@ -245,9 +235,7 @@ impl Run<'_> {
                 }
             }
         }
-        if !self.nodes[node].requests.is_empty() {
-            self.serve(node);
-        }
+        self.serve(node);
     }
 
     /// Whether an outlet can take another part, and the run goes on.
@@ -261,15 +249,12 @@ impl Run<'_> {
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
+        let node = self.outlets[outlet].node;
+        let way = self.way(node, part);
         let offered = &mut self.outlets[outlet];
-        let node = offered.node;
         let since = offered.since.take();
         offered.part = Some(part);
-        let mut way = self.setup.ways.same(node, kind);
-        if way.is_none() {
-            way = self.chosen_way(node, part);
-        }
-        self.outlets[outlet].to = way;
+        offered.to = way;
         let Some(way) = way else { return };
         if let Some(to) = way.only {
             let to = to as usize;
@@ -466,6 +451,7 @@ impl Run<'_> {
     }
 
     /// Admits waiting parts to a node as long as there is room; see [Turns](self#turns).
+    #[inline]
     fn serve(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&request) = self.nodes[node].requests.get(next) {
@@ -510,10 +496,6 @@ impl Run<'_> {
         self.progress.count_movement();
         match &mut self.nodes[node].place {
             Place::Buffer(buffer) => buffer.take(self.now),
-            Place::Station(station) if !station.waits.last() => {
-                station.clear(self.now);
-                self.parts[part].came_from = Some(node as u32);
-            }
             Place::Station(_) => {
                 self.end_wait(node);
                 self.station_left(node);

@@ -287,7 +287,7 @@ impl Station {
     pub(super) fn begins_wait(&self) -> Option<Activity> {
         let activity = self.clock.activity();
         let waits = matches!(activity, Activity::Blocked | Activity::Starved);
-        (waits && !self.waits.last()).then_some(activity)
+        (waits && !self.waits.is_waiting()).then_some(activity)
     }
 
     /// The part is gone.

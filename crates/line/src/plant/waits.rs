@@ -77,7 +77,7 @@ fn charge(causes: &mut Vec<Cause>, place: u32, station: Option<u32>, seconds: f6
 impl Waits {
     /// Whether an interval lasts.
     #[inline]
-    pub(super) fn last(&self) -> bool {
+    pub(super) fn is_waiting(&self) -> bool {
         self.interval.is_some()
     }
 
@@ -130,7 +130,7 @@ impl Run<'_> {
         }
     }
 
-    pub(super) fn begin_interval(&mut self, node: usize, activity: Activity) {
+    fn begin_interval(&mut self, node: usize, activity: Activity) {
         match activity {
             Activity::Blocked => {
                 let Some(place) = self.awaited_place(node) else {
