@@ -1,6 +1,7 @@
 //! Labelled state graphs as Graphviz text and as pictures. The callers decide what the graphs show.
 
 pub mod dot;
+pub mod layers;
 pub mod svg;
 
 /// States and edges with their labels, independent of the output format.

@@ -1,285 +1,235 @@
-//! A graph as an SVG picture: laid out by layout-rs, drawn by our own backend.
-//!
-//! layout-rs's own backend writes its styles in the order of a hash map, draws edge labels without
-//! a background, and supports only Times as its font.
+//! A graph as an SVG picture, in layers.
 
-use super::{Graph, Region};
-use layout::core::base::Orientation;
-use layout::core::color::Color;
-use layout::core::format::{ClipHandle, RenderBackend};
-use layout::core::geometry::Point;
-use layout::core::style::{LineStyleKind, StyleAttr};
-use layout::std_shapes::shapes::{Arrow, Element, LineEndKind, ShapeKind};
-use layout::topo::layout::VisualGraph;
+use super::layers::{Direction, Link, PlacedLink, Placement, Point, Size, Spacing, place};
+use super::{Edge, Graph, Region};
 use std::fmt::Write as _;
 
-const STATE_FONT: usize = 13;
-const EDGE_FONT: usize = 11;
+const STATE_FONT: f64 = 13.0;
+const EDGE_FONT: f64 = 11.0;
 
 /// Distance between regions, and padding inside a region, in SVG units.
-const GAP: f64 = 12.;
+const GAP: f64 = 12.0;
+
+/// Width in SVG units up to which a drawing fits on a page.
+const PAGE_WIDTH: f64 = 1600.0;
+
+/// Size of the dot from which the edges to the initial states begin.
+const START: Size = Size {
+    width: 10.0,
+    height: 10.0,
+};
+
+const SPACING: Spacing = Spacing {
+    boxes: 24.0,
+    links: 14.0,
+    layers: 28.0,
+};
 
 /// Draws a graph and returns the SVG document.
 pub fn render(name: &str, graph: &Graph) -> String {
-    let mut canvas = Canvas::default();
-    place(graph).do_it(false, false, false, &mut canvas);
-    canvas.finish(name)
+    let (placement, body) = drawn(graph);
+    document(name, placement.size, &body)
 }
 
 /// Draws regions side by side, each in a frame with its title.
 pub fn render_regions(name: &str, regions: &[Region]) -> String {
-    let mut whole = Canvas::default();
-    let mut right = 0.;
+    let mut body = String::new();
+    let mut whole = Size::default();
     for region in regions {
-        let mut canvas = Canvas::default();
-        place(&region.graph).do_it(false, false, false, &mut canvas);
+        let (placement, inside) = drawn(&region.graph);
         let title = text_size(std::slice::from_ref(&region.title), STATE_FONT);
-        let width = (canvas.width - canvas.left).max(title.x) + 2. * GAP;
-        let height = canvas.height + title.y + GAP;
-        let (x, y) = (right + GAP - canvas.left, title.y);
+        let frame = Size {
+            width: placement.size.width.max(title.width) + 2.0 * GAP,
+            height: placement.size.height + title.height + GAP,
+        };
+        let left = whole.width + if whole.width > 0.0 { GAP } else { 0.0 };
+        // Writing to a string cannot fail.
         let _ = write!(
-            whole.shapes,
-            "<rect x=\"{right:.1}\" y=\"0\" width=\"{width:.1}\" height=\"{height:.1}\" rx=\"8\" fill=\"none\" stroke=\"dimgray\" \
+            body,
+            "<rect x=\"{left:.1}\" y=\"0\" width=\"{:.1}\" height=\"{:.1}\" rx=\"8\" fill=\"none\" stroke=\"dimgray\" \
              stroke-dasharray=\"4 3\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{STATE_FONT}\" font-weight=\"bold\">{}</text>\n\
-             <g transform=\"translate({x:.1} {y:.1})\">\n{}{}</g>\n",
-            right + width / 2.,
-            title.y - 8.,
+             <g transform=\"translate({:.1} {:.1})\">\n{inside}</g>\n",
+            frame.width,
+            frame.height,
+            left + frame.width / 2.0,
+            title.height - 8.0,
             escape(&region.title),
-            canvas.arrows,
-            canvas.shapes
+            left + (frame.width - placement.size.width) / 2.0,
+            title.height,
         );
-        whole.cover(Point::new(right, 0.), Point::new(right + width, height));
-        right += width + GAP;
+        whole.width = left + frame.width;
+        whole.height = whole.height.max(frame.height);
     }
-    whole.finish(name)
+    document(name, whole, &body)
 }
 
-/// Converts the graph to the layout package's type.
-fn place(graph: &Graph) -> VisualGraph {
-    let mut visual = VisualGraph::new(Orientation::TopToBottom);
-    let state = StyleAttr::new(
-        Color::fast("black"),
-        1,
-        Some(Color::fast("aliceblue")),
-        8,
-        STATE_FONT,
-    );
-    let ink = StyleAttr::new(Color::fast("dimgray"), 1, None, 0, EDGE_FONT);
-    let start = Element::create(
-        ShapeKind::new_circle(""),
-        StyleAttr::new(Color::fast("black"), 1, Some(Color::fast("black")), 0, 1),
-        Orientation::TopToBottom,
-        Point::new(10., 10.),
-    );
-    let start = visual.add_node(start);
-    let mut handles = Vec::new();
-    for label in &graph.states {
-        let size = text_size(label, STATE_FONT);
-        let shape = ShapeKind::new_box(&label.join("\n"));
-        let element = Element::create(shape, state.clone(), Orientation::TopToBottom, size);
-        handles.push(visual.add_node(element));
+/// Places and draws a graph, in the direction in which it fits better.
+fn drawn(graph: &Graph) -> (Placement, String) {
+    let down = placed(graph, Direction::Down);
+    let right = placed(graph, Direction::Right);
+    let is_better = |a: &Placement, b: &Placement| {
+        let over = |p: &Placement| (p.size.width - PAGE_WIDTH).max(0.0);
+        let area = |p: &Placement| p.size.width * p.size.height;
+        (over(a), area(a)) < (over(b), area(b))
+    };
+    let placement = if is_better(&right, &down) {
+        right
+    } else {
+        down
+    };
+    let mut body = String::new();
+    for link in &placement.links {
+        draw_arrow(&mut body, link);
     }
-    for edge in &graph.edges {
-        let arrow = Arrow::new(
-            LineEndKind::None,
-            LineEndKind::Arrow,
-            LineStyleKind::Normal,
-            &edge.label.join("\n"),
-            &ink,
-            &None,
-            &None,
-        );
-        visual.add_edge(
-            arrow,
-            edge.from.map_or(start, |s| handles[s]),
-            handles[edge.to],
+    for (edge, link) in graph.edges.iter().zip(&placement.links) {
+        if let Some(at) = link.label {
+            draw_label(&mut body, at, edge);
+        }
+    }
+    for (state, at) in graph.states.iter().zip(&placement.boxes) {
+        draw_state(&mut body, *at, state);
+    }
+    if let Some(at) = placement.boxes.get(graph.states.len()) {
+        let _ = writeln!(
+            body,
+            "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"5\"/>",
+            at.x, at.y
         );
     }
-    visual
+    (placement, body)
+}
+
+/// Places a graph. The dot is the last box.
+fn placed(graph: &Graph, direction: Direction) -> Placement {
+    let mut boxes: Vec<Size> = graph
+        .states
+        .iter()
+        .map(|label| text_size(label, STATE_FONT))
+        .collect();
+    if graph.edges.iter().any(|edge| edge.from.is_none()) {
+        boxes.push(START);
+    }
+    let links: Vec<Link> = graph
+        .edges
+        .iter()
+        .map(|edge| Link {
+            from: edge.from.unwrap_or(graph.states.len()),
+            to: edge.to,
+            label: if edge.label.is_empty() {
+                Size::default()
+            } else {
+                text_size(&edge.label, EDGE_FONT)
+            },
+        })
+        .collect();
+    place(&boxes, &links, direction, SPACING)
+}
+
+fn draw_arrow(body: &mut String, link: &PlacedLink) {
+    let _ = writeln!(
+        body,
+        "<path d=\"{}\" fill=\"none\" stroke=\"dimgray\" marker-end=\"url(#head)\"/>",
+        curve(&link.points)
+    );
+}
+
+/// A smooth curve along a polyline, as the data of an SVG path: it touches the middle of each inner
+/// piece.
+pub fn curve(points: &[Point]) -> String {
+    let mut data = String::new();
+    let Some((first, rest)) = points.split_first() else {
+        return data;
+    };
+    let _ = write!(data, "M {:.1} {:.1}", first.x, first.y);
+    for (index, point) in rest.iter().enumerate() {
+        match rest.get(index + 1) {
+            None => {
+                let _ = write!(data, " L {:.1} {:.1}", point.x, point.y);
+            }
+            Some(next) => {
+                let (x, y) = ((point.x + next.x) / 2.0, (point.y + next.y) / 2.0);
+                let is_last = index + 2 == rest.len();
+                let (x, y) = if is_last { (next.x, next.y) } else { (x, y) };
+                let _ = write!(data, " Q {:.1} {:.1} {x:.1} {y:.1}", point.x, point.y);
+                if is_last {
+                    break;
+                }
+            }
+        }
+    }
+    data
+}
+
+fn draw_label(body: &mut String, at: Point, edge: &Edge) {
+    let size = text_size(&edge.label, EDGE_FONT);
+    // A background, so that lines behind the text do not cross it.
+    let _ = writeln!(
+        body,
+        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"white\" fill-opacity=\"0.85\"/>",
+        at.x - size.width / 2.0 + 6.0,
+        at.y - size.height / 2.0 + 4.0,
+        size.width - 12.0,
+        size.height - 8.0
+    );
+    draw_text(body, at, &edge.label, EDGE_FONT, false);
+}
+
+fn draw_state(body: &mut String, at: Point, label: &[String]) {
+    let size = text_size(label, STATE_FONT);
+    let _ = writeln!(
+        body,
+        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"8\" fill=\"aliceblue\" stroke=\"black\"/>",
+        at.x - size.width / 2.0,
+        at.y - size.height / 2.0,
+        size.width,
+        size.height
+    );
+    draw_text(body, at, label, STATE_FONT, true);
+}
+
+/// Writes lines around a center. If the text has a heading, that is its first line.
+fn draw_text(body: &mut String, at: Point, lines: &[String], font: f64, has_heading: bool) {
+    let first = at.y - (lines.len() as f64 - 1.0) * 0.6 * font + 0.35 * font;
+    for (index, line) in lines.iter().enumerate() {
+        let weight = if has_heading && index == 0 {
+            " font-weight=\"bold\""
+        } else {
+            ""
+        };
+        let _ = writeln!(
+            body,
+            "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{font}\"{weight}>{}</text>",
+            at.x,
+            first + index as f64 * 1.2 * font,
+            escape(line)
+        );
+    }
 }
 
 /// Estimates the size of a text with these lines, including a margin.
-fn text_size(lines: &[String], font: usize) -> Point {
+fn text_size(lines: &[String], font: f64) -> Size {
     let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
-    let (width, height) = (longest.max(2) as f64 * 0.58, lines.len() as f64 * 1.2);
-    Point::new(width * font as f64 + 16., height * font as f64 + 12.)
-}
-
-/// Collects the drawing: lines below, boxes and texts above them.
-#[derive(Default)]
-struct Canvas {
-    arrows: String,
-    shapes: String,
-    width: f64,
-    height: f64,
-    left: f64,
-}
-
-impl Canvas {
-    fn cover(&mut self, low: Point, high: Point) {
-        self.left = self.left.min(low.x);
-        self.width = self.width.max(high.x);
-        self.height = self.height.max(high.y);
-    }
-
-    fn finish(self, title: &str) -> String {
-        let (left, width, height) = (
-            self.left - 10.,
-            self.width - self.left + 20.,
-            self.height + 10.,
-        );
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"{left:.0} 0 {width:.0} {height:.0}\">\n<title>{}</title>\n\
-             <defs><marker id=\"head\" markerWidth=\"9\" markerHeight=\"7\" refX=\"9\" refY=\"3.5\" orient=\"auto\">\
-             <polygon points=\"0 0, 9 3.5, 0 7\" fill=\"dimgray\"/></marker>\
-             <marker id=\"tail\" markerWidth=\"9\" markerHeight=\"7\" refX=\"0\" refY=\"3.5\" orient=\"auto\">\
-             <polygon points=\"9 0, 0 3.5, 9 7\" fill=\"dimgray\"/></marker></defs>\n\
-             <style>text {{ font-family: Helvetica, Arial, sans-serif; text-anchor: middle }}</style>\n\
-             <rect x=\"{left:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" fill=\"white\"/>\n{}{}</svg>\n",
-            escape(title),
-            self.arrows,
-            self.shapes
-        )
+    Size {
+        width: longest.max(2) as f64 * 0.58 * font + 16.0,
+        height: lines.len() as f64 * 1.2 * font + 12.0,
     }
 }
 
-impl RenderBackend for Canvas {
-    fn draw_rect(
-        &mut self,
-        xy: Point,
-        size: Point,
-        look: &StyleAttr,
-        _properties: Option<String>,
-        _clip: Option<ClipHandle>,
-    ) {
-        self.cover(xy, xy.add(size));
-        let fill = look
-            .fill_color
-            .map_or("none".to_owned(), |c| c.to_web_color());
-        let _ = writeln!(
-            self.shapes,
-            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"{}\" fill=\"{fill}\" stroke=\"{}\"/>",
-            xy.x,
-            xy.y,
-            size.x,
-            size.y,
-            look.rounded,
-            look.line_color.to_web_color()
-        );
-    }
-
-    fn draw_line(&mut self, start: Point, stop: Point, look: &StyleAttr, _: Option<String>) {
-        self.cover(start, stop);
-        let _ = writeln!(
-            self.arrows,
-            "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{}\"/>",
-            start.x,
-            start.y,
-            stop.x,
-            stop.y,
-            look.line_color.to_web_color()
-        );
-    }
-
-    fn draw_circle(&mut self, xy: Point, size: Point, look: &StyleAttr, _: Option<String>) {
-        self.cover(xy, xy.add(size));
-        let _ = writeln!(
-            self.shapes,
-            "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"5\" fill=\"{}\"/>",
-            xy.x,
-            xy.y,
-            look.line_color.to_web_color()
-        );
-    }
-
-    fn draw_text(&mut self, xy: Point, text: &str, look: &StyleAttr) {
-        let lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        if lines.is_empty() {
-            return;
-        }
-        // For the label of a long edge, layout-rs does not pass on the style. Every text that does
-        // not have the font size of a state is therefore the label of an edge.
-        let state = look.font_size == STATE_FONT;
-        let font_size = if state { STATE_FONT } else { EDGE_FONT };
-        let font = font_size as f64;
-        let size = text_size(&lines, font_size);
-        let corner = Point::new(xy.x - size.x / 2., xy.y - size.y / 2.);
-        self.cover(corner, corner.add(size));
-        if !state {
-            // A background, so that lines behind the text do not cross it.
-            let _ = writeln!(
-                self.shapes,
-                "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"white\" fill-opacity=\"0.85\"/>",
-                corner.x + 6.,
-                corner.y + 4.,
-                size.x - 12.,
-                size.y - 8.
-            );
-        }
-        let first = xy.y - (lines.len() as f64 - 1.) * 0.6 * font + 0.35 * font;
-        for (i, line) in lines.iter().enumerate() {
-            let weight = if state && i == 0 {
-                " font-weight=\"bold\""
-            } else {
-                ""
-            };
-            let _ = writeln!(
-                self.shapes,
-                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{}\"{weight}>{}</text>",
-                xy.x,
-                first + i as f64 * 1.2 * font,
-                font_size,
-                escape(line)
-            );
-        }
-    }
-
-    fn draw_arrow(
-        &mut self,
-        path: &[(Point, Point)],
-        _dashed: bool,
-        head: (bool, bool),
-        look: &StyleAttr,
-        _properties: Option<String>,
-        _text: &str,
-    ) {
-        let [(from, out), (into, to), rest @ ..] = path else {
-            return;
-        };
-        for (a, b) in path {
-            self.cover(*a, *a);
-            self.cover(*b, *b);
-        }
-        let mut data = format!(
-            "M {:.1} {:.1} C {:.1} {:.1}, {:.1} {:.1}, {:.1} {:.1}",
-            from.x, from.y, out.x, out.y, into.x, into.y, to.x, to.y
-        );
-        for (control, to) in rest {
-            let _ = write!(
-                data,
-                " S {:.1} {:.1}, {:.1} {:.1}",
-                control.x, control.y, to.x, to.y
-            );
-        }
-        let marker = match head {
-            (true, _) => " marker-start=\"url(#tail)\"",
-            (_, true) => " marker-end=\"url(#head)\"",
-            _ => "",
-        };
-        let _ = writeln!(
-            self.arrows,
-            "<path d=\"{data}\" fill=\"none\" stroke=\"{}\"{marker}/>",
-            look.line_color.to_web_color()
-        );
-    }
-
-    fn create_clip(&mut self, _xy: Point, _size: Point, _rounded: usize) -> ClipHandle {
-        0
-    }
+fn document(title: &str, size: Size, body: &str) -> String {
+    let (width, height) = (size.width + 20.0, size.height + 20.0);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
+         viewBox=\"-10 -10 {width:.0} {height:.0}\">\n<title>{}</title>\n\
+         <defs><marker id=\"head\" markerWidth=\"9\" markerHeight=\"7\" refX=\"9\" refY=\"3.5\" orient=\"auto\">\
+         <polygon points=\"0 0, 9 3.5, 0 7\" fill=\"dimgray\"/></marker></defs>\n\
+         <style>text {{ font-family: Helvetica, Arial, sans-serif; text-anchor: middle }}</style>\n\
+         <rect x=\"-10\" y=\"-10\" width=\"{width:.0}\" height=\"{height:.0}\" fill=\"white\"/>\n{body}</svg>\n",
+        escape(title),
+    )
 }
 
-fn escape(text: &str) -> String {
+/// Replaces the characters that have a meaning in XML and HTML.
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
