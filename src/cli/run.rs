@@ -350,7 +350,7 @@ fn simulate(
         monitor: progress.monitor(),
         ..simulation.clone()
     };
-    let run = simulation::simulate(line, &controlled, folder, &simulation);
+    let run = simulation::simulate(line, &controlled, folder, &simulation, None);
     progress.clear();
     match run {
         Ok(run) => {

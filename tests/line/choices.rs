@@ -1,28 +1,27 @@
 //! Several places of which each part goes to one, parallel stations, and the order of parts in a
 //! buffer.
 
-use crate::models::{Builder, Shift1, constant, every, plant_of};
+use crate::models::{Builder, Logged, RunLogged, Shift1, constant, every, plant_of};
 use linewright::contract::line::{Choice, NodeKind};
 use linewright::contract::load;
 use linewright::game::Limits;
 use linewright::line::abstraction::{Verdict, examine};
-use linewright::line::trace::EventKind;
-use linewright::line::{End, Options, Trace};
+use linewright::line::log::EventKind;
+use linewright::line::{End, Options};
 
 fn options(parts: u64) -> Options {
     Options {
         parts: Some(parts),
-        log: true,
         ..Options::default()
     }
 }
 
-fn run(body: &str, parts: u64) -> Trace {
-    plant_of(&format!("line L {{ {body} }}"), options(parts)).run()
+fn run(body: &str, parts: u64) -> Logged {
+    plant_of(&format!("line L {{ {body} }}"), options(parts)).run_logged()
 }
 
 /// The numbers of the parts that an event happened to at a node, with its times.
-fn events(body: &str, trace: &Trace, node: &str, what: EventKind) -> Vec<(f64, u64)> {
+fn events(body: &str, trace: &Logged, node: &str, what: EventKind) -> Vec<(f64, u64)> {
     let plant = plant_of(&format!("line L {{ {body} }}"), options(1));
     let nodes = &plant.line().nodes;
     let node = nodes.iter().position(|n| n.name == node).expect(node);
@@ -33,7 +32,7 @@ fn events(body: &str, trace: &Trace, node: &str, what: EventKind) -> Vec<(f64, u
         .collect()
 }
 
-fn numbers(body: &str, trace: &Trace, node: &str, what: EventKind) -> Vec<u64> {
+fn numbers(body: &str, trace: &Logged, node: &str, what: EventKind) -> Vec<u64> {
     let events = events(body, trace, node, what).into_iter();
     events.map(|(_, number)| number).collect()
 }
@@ -200,11 +199,10 @@ fn a_property_decides_which_part_leaves_first() {
             &format!("line L {{ {body} }}"),
             Options {
                 until: Some(100.0),
-                log: true,
                 ..Options::default()
             },
         );
-        let trace = plant.run();
+        let trace = plant.run_logged();
         let begun = trace
             .log
             .iter()

@@ -12,11 +12,13 @@ use linewright::contract::machine::{
     Property, PropertyKind, RealExpr, Role,
 };
 use linewright::gr1::{Domain, Owner, Side, Specification, Timing, Variable};
+use linewright::line::log::{EventKind, Log, LogEntry};
 use linewright::line::random::{Purpose, Stream};
 use linewright::line::{Options, Plant, Trace};
 use linewright::source::Span;
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 use std::collections::BTreeMap;
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// A line under construction, with its controllers.
@@ -322,23 +324,77 @@ impl Builder {
     }
 
     /// Runs until this many products are made, with a log.
-    pub fn run(&mut self, parts: u64) -> Trace {
+    pub fn run(&mut self, parts: u64) -> Logged {
         self.plant(Options {
             parts: Some(parts),
-            log: true,
             ..Options::default()
         })
-        .run()
+        .run_logged()
     }
 
     /// Runs for this many seconds, with a log.
-    pub fn run_until(&mut self, seconds: f64) -> Trace {
+    pub fn run_until(&mut self, seconds: f64) -> Logged {
         self.plant(Options {
             until: Some(seconds),
-            log: true,
             ..Options::default()
         })
-        .run()
+        .run_logged()
+    }
+}
+
+/// A trace with the events of its run.
+#[derive(Debug)]
+pub struct Logged {
+    pub trace: Trace,
+    pub log: Vec<LogEntry>,
+}
+
+impl Deref for Logged {
+    type Target = Trace;
+
+    fn deref(&self) -> &Trace {
+        &self.trace
+    }
+}
+
+impl Logged {
+    /// The events of parts, and failures.
+    pub fn movements(&self) -> impl Iterator<Item = &LogEntry> {
+        self.log.iter().filter(|entry| {
+            !matches!(
+                entry.what,
+                EventKind::Made
+                    | EventKind::Aborted
+                    | EventKind::Changed
+                    | EventKind::Defect
+                    | EventKind::Reordered(_)
+                    | EventKind::State(_)
+                    | EventKind::Moved
+            )
+        })
+    }
+}
+
+pub trait RunLogged {
+    /// Runs the line, and keeps its events.
+    fn run_logged(&mut self) -> Logged;
+
+    /// Runs the line with this seed, and keeps its events.
+    fn run_logged_seeded(&mut self, seed: u64) -> Logged;
+}
+
+impl RunLogged for Plant {
+    fn run_logged(&mut self) -> Logged {
+        self.run_logged_seeded(self.seed())
+    }
+
+    fn run_logged_seeded(&mut self, seed: u64) -> Logged {
+        let mut log = Log::default();
+        let trace = self.run_observed(seed, Some(&mut log));
+        Logged {
+            trace,
+            log: log.entries,
+        }
     }
 }
 

@@ -36,12 +36,13 @@
 
 mod lines;
 
+use crate::models::{Logged, RunLogged};
 use crate::support::{python_with, root};
 use lines::RandomLine;
 use linewright::contract::load;
 use linewright::diagnostics::has_errors;
-use linewright::line::trace::EventKind;
-use linewright::line::{End, Options, Plant, Trace};
+use linewright::line::log::EventKind;
+use linewright::line::{End, Options, Plant};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -61,7 +62,7 @@ fn count() -> u64 {
 type Entry = (f64, String);
 
 /// What the runner does, with the log as text.
-fn run(line: &RandomLine) -> (Trace, Vec<Entry>) {
+fn run(line: &RandomLine) -> (Logged, Vec<Entry>) {
     let text = format!("line L {{\n{}}}\n", line.text);
     let files = [("line.lw".to_owned(), text)];
     let (mut library, findings) = load(&files, &|path, _| {
@@ -74,14 +75,13 @@ fn run(line: &RandomLine) -> (Trace, Vec<Entry>) {
         seed: line.seed,
         parts: line.parts,
         until: Some(line.until),
-        log: true,
         ..Options::default()
     };
     let resolved = Arc::new(library.lines.remove(0));
     let mut plant = Plant::new(Arc::clone(&resolved), BTreeMap::new(), options)
         .unwrap_or_else(|findings| panic!("{}: {findings:?}", line.text));
-    let trace = plant.run();
-    let log = trace.log.iter().map(|entry| {
+    let logged = plant.run_logged();
+    let log = logged.movements().map(|entry| {
         let place = &resolved.nodes[entry.node].name;
         let part = entry.part.map_or("- 0".to_owned(), |(number, kind)| {
             format!("{} {number}", resolved.parts[kind].name)
@@ -89,7 +89,7 @@ fn run(line: &RandomLine) -> (Trace, Vec<Entry>) {
         (entry.time, format!("{place} {:?} {part}", entry.what))
     });
     let log = log.collect();
-    (trace, log)
+    (logged, log)
 }
 
 /// Starts the oracle on lines; its answer goes to a file.
@@ -151,7 +151,7 @@ fn random_lines_agree_with_simpy() {
     let lines: Vec<RandomLine> = (1..=count()).map(lines::line).collect();
     let folder = tempfile::tempdir().expect("a folder");
     let oracle = start(&python, &lines, folder.path());
-    let runs: Vec<(Trace, Vec<Entry>)> = lines.iter().map(run).collect();
+    let runs: Vec<(Logged, Vec<Entry>)> = lines.iter().map(run).collect();
     let output = oracle.wait_with_output().expect("Python ends");
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "the oracle fails: {words}");
@@ -184,7 +184,7 @@ fn random_lines_agree_with_simpy() {
 }
 
 /// The lines show all that can happen.
-fn check_variety(runs: &[(Trace, Vec<Entry>)]) {
+fn check_variety(runs: &[(Logged, Vec<Entry>)]) {
     let mut ends = BTreeMap::new();
     let mut kinds = BTreeMap::new();
     for (trace, _) in runs {

@@ -130,7 +130,7 @@ impl Project {
         let machines = machines::of_line(line).into_iter().map(|m| &**m);
         let synthesis = self.synthesize(machines)?;
         let controlled: Vec<_> = synthesis.controlled().collect();
-        simulation::simulate(line, &controlled, folder, how).map_err(ProjectError)
+        simulation::simulate(line, &controlled, folder, how, None).map_err(ProjectError)
     }
 
     fn synthesize<'a>(

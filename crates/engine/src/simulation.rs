@@ -7,7 +7,7 @@ use crate::speed::{FasterController, speed_up};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::Line;
 use linewright_line::replicate::replicate;
-use linewright_line::{Batches, Count, Monitor, Options, Plant, Replications, Trace};
+use linewright_line::{Batches, Count, Monitor, Observer, Options, Plant, Replications, Trace};
 use linewright_station::load::Library;
 use linewright_station::profile::Profile;
 use linewright_station::{Controller, Package, Toolchain};
@@ -65,6 +65,7 @@ impl Run {
 }
 
 /// Builds the libraries of a line's machines into a folder, loads them, and runs the line.
+/// The observer watches the first run.
 ///
 /// # Errors
 /// Returns the findings if a library cannot be built or loaded, or if the runner refuses the line.
@@ -73,6 +74,7 @@ pub fn simulate(
     machines: &[ControlledMachine<'_>],
     folder: &Path,
     options: &SimulationOptions,
+    observer: Option<&mut dyn Observer>,
 ) -> Result<Run, Vec<Diagnostic>> {
     let packaged = |machine: &ControlledMachine<'_>| {
         if options.is_study {
@@ -83,7 +85,7 @@ pub fn simulate(
     };
     let packaged = machines.par_iter().map(packaged).collect();
     let libraries = build(packaged, folder, options)?;
-    run(line, machines, &libraries, options)
+    run(line, machines, &libraries, options, observer)
 }
 
 /// Number of parts from which on optimized libraries save more time in the run than the compiler
@@ -136,6 +138,7 @@ fn run(
     machines: &[ControlledMachine<'_>],
     libraries: &[LoadedLibrary],
     options: &SimulationOptions,
+    observer: Option<&mut dyn Observer>,
 ) -> Result<Run, Vec<Diagnostic>> {
     let mut line = line.clone();
     for (node, speed) in &options.speeds {
@@ -170,7 +173,7 @@ fn run(
         Ok(plant)
     };
     let threads = rayon::current_num_threads();
-    let (traces, replications) = replicate(threads, plant, options.replications)?;
+    let (traces, replications) = replicate(threads, plant, options.replications, observer)?;
     Ok(Run {
         batches: Batches::of(&line, &traces[0]),
         traces,

@@ -63,6 +63,7 @@ mod bottleneck;
 pub mod calendar;
 pub mod calls;
 pub mod comparison;
+pub mod log;
 pub mod metric;
 pub mod monitor;
 pub mod mser;
@@ -79,6 +80,7 @@ mod validate;
 pub use batches::{Batch, Batches};
 pub use bottleneck::{Bottleneck, Candidate};
 use linewright_core::deadline::Deadline;
+pub use log::Observer;
 pub use monitor::Monitor;
 pub use plant::Plant;
 pub use replicate::{Count, Estimate, Replications};
@@ -103,8 +105,6 @@ pub struct Options {
     pub batches: Option<u32>,
     /// Wall-clock deadline.
     pub deadline: Deadline,
-    /// Whether to record every movement in [`Trace::log`]; memory then grows with the run.
-    pub log: bool,
 }
 
 impl Default for Options {
@@ -116,7 +116,6 @@ impl Default for Options {
             warm_up: 0.0,
             batches: None,
             deadline: Deadline::NONE,
-            log: false,
         }
     }
 }

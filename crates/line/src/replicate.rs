@@ -1,5 +1,6 @@
 //! Replications: the same line under several seeds, with confidence intervals.
 
+use super::log::Observer;
 use super::metric;
 use super::plant::Plant;
 use super::requirement::{self, ReplicatedRequirement, Sample};
@@ -159,7 +160,7 @@ impl Count {
 
 /// Runs a line several times, with consecutive seeds from that of the options, on several threads.
 /// `plant` creates the plant of a thread; its argument states whether it is the first one, whose
-/// runs can be shown. The traces are those that
+/// runs can be shown. The observer watches the first run. The traces are those that
 /// [`Plant::replicate`] returns, in the same order, for any number of threads.
 ///
 /// # Errors
@@ -168,13 +169,14 @@ pub fn replicate(
     threads: usize,
     plant: impl Fn(bool) -> Result<Plant, Vec<Diagnostic>> + Sync,
     count: Count,
+    mut observer: Option<&mut dyn Observer>,
 ) -> Result<(Vec<Trace>, Replications), Vec<Diagnostic>> {
     let mut own = plant(true)?;
     let mut traces: Vec<Trace> = Vec::new();
     let mut wanted = count.first();
     loop {
         let done = traces.len() as u64;
-        let more = runs(&mut own, threads, &plant, done, wanted)?;
+        let more = runs(&mut own, threads, &plant, done, wanted, observer.take())?;
         let complete = more.len() as u64 == wanted;
         traces.extend(more);
         let (kept, mut replications) = own.combined(traces, done + wanted);
@@ -196,16 +198,18 @@ fn runs(
     plant: &(impl Fn(bool) -> Result<Plant, Vec<Diagnostic>> + Sync),
     done: u64,
     wanted: u64,
+    observer: Option<&mut dyn Observer>,
 ) -> Result<Vec<Trace>, Vec<Diagnostic>> {
     let threads = threads.clamp(1, usize::try_from(wanted).unwrap_or(usize::MAX));
     let step = threads as u64;
     let others: Vec<Result<Vec<Trace>, Vec<Diagnostic>>> = std::thread::scope(|scope| {
         let started: Vec<_> = (1..step)
             .map(|first| {
-                scope.spawn(move || Ok(plant(false)?.every(done + first, step, done + wanted)))
+                scope
+                    .spawn(move || Ok(plant(false)?.every(done + first, step, done + wanted, None)))
             })
             .collect();
-        let own = Ok(own.every(done, step, done + wanted));
+        let own = Ok(own.every(done, step, done + wanted, observer));
         let others = started.into_iter().map(|thread| {
             let result = thread.join();
             result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
@@ -232,19 +236,27 @@ impl Plant {
     /// unless it is the first.
     pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
         let count = count.max(1);
-        let traces = self.every(0, 1, count);
+        let traces = self.every(0, 1, count, None);
         self.combined(traces, count)
     }
 
     /// Makes runs number `first`, `first + step` and so on, before `end`, until the deadline.
-    fn every(&mut self, first: u64, step: u64, end: u64) -> Vec<Trace> {
+    /// The observer watches the first of them.
+    fn every(
+        &mut self,
+        first: u64,
+        step: u64,
+        end: u64,
+        mut observer: Option<&mut dyn Observer>,
+    ) -> Vec<Trace> {
         let mut traces = Vec::new();
         let mut run = first;
         while run < end {
             if run > 0 && self.late().is_some() {
                 break;
             }
-            traces.push(self.run_seeded(self.seed().wrapping_add(run)));
+            let seed = self.seed().wrapping_add(run);
+            traces.push(self.run_observed(seed, observer.take()));
             self.count_run();
             run += step;
         }

@@ -1,20 +1,8 @@
 //! Statistics of a running line: time by activity, lead times, and confidence intervals.
 
+pub(super) use super::log::Activity;
 use super::random::{Purpose, Stream};
 use super::trace::{LeadTime, Shares};
-
-/// Activity of a station, under which its time is booked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Activity {
-    Busy,
-    Starved,
-    Blocked,
-    Failed,
-    Idle,
-    Setup,
-    /// Under repair off shift.
-    FailedOffShift,
-}
 
 /// Books time by activity.
 #[derive(Debug, Clone)]

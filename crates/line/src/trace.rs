@@ -70,8 +70,6 @@ pub struct Trace {
     /// The batches of the run, in order; empty if none were wanted, or if the run ended before the
     /// last one.
     pub batches: Vec<Batch>,
-    /// Every movement, if [`Options::log`](super::Options::log) is set.
-    pub log: Vec<LogEntry>,
 }
 
 /// Maximum number of violations that are stored; later ones are only counted.
@@ -411,48 +409,6 @@ impl RequirementResult {
             Verdict::Fails
         }
     }
-}
-
-/// A log entry.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LogEntry {
-    /// Time in simulated seconds.
-    pub time: f64,
-    /// Index of the node.
-    pub node: usize,
-    /// Number and type of the part; `None` for breakdowns and repairs.
-    pub part: Option<(u64, usize)>,
-    /// What happened.
-    pub what: EventKind,
-}
-
-/// Event at a part or node.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum EventKind {
-    /// The part entered the line here.
-    Entered,
-    /// The part arrived at this node.
-    Arrived,
-    /// The part became a component of another one.
-    Consumed,
-    /// The station began setup for the part.
-    SetupStarted,
-    /// Service of the part began.
-    Started,
-    /// Service of the part ended.
-    Ended,
-    /// The part left this node for the next.
-    Left,
-    /// The part was seen at this place of the belt.
-    Place(u32),
-    /// The part left the line as finished.
-    Finished,
-    /// The part left the line as scrap.
-    Rejected,
-    /// The station broke down.
-    Failed,
-    /// The station was repaired.
-    Repaired,
 }
 
 /// Formats a duration: below a minute with three significant digits (`2.4 s`, `9 ms`), otherwise as

@@ -1,5 +1,6 @@
 //! Runs of a line, and failures in them that a proof excludes.
 
+use crate::models::{Logged, RunLogged};
 use linewright::contract::line::{Line, NodeKind, Supply};
 use linewright::contract::machine::Machine;
 use linewright::contract::{Library, load};
@@ -165,7 +166,7 @@ impl World {
     }
 
     /// One run. For a line with a shift only the working time counts.
-    pub fn run(&self, line: &Line, seed: u64, parts: Option<u64>, seconds: f64) -> Option<Trace> {
+    pub fn run(&self, line: &Line, seed: u64, parts: Option<u64>, seconds: f64) -> Option<Logged> {
         let off = line.calendar.as_ref().map_or(0.0, |calendar| {
             const WEEK: f64 = 7.0 * 86_400.0;
             WEEK * (1.0 + (seconds / calendar.worked_until(WEEK)).ceil())
@@ -175,10 +176,17 @@ impl World {
             parts,
             until: Some(seconds + off),
             deadline: linewright::deadline::Deadline::from_now(Duration::from_secs(20)),
-            log: parts.is_none(),
             ..Options::default()
         };
-        Some(self.plant(line, options)?.run())
+        let mut plant = self.plant(line, options)?;
+        if parts.is_none() {
+            return Some(plant.run_logged());
+        }
+        let trace = plant.run();
+        Some(Logged {
+            trace,
+            log: Vec::new(),
+        })
     }
 }
 
@@ -253,8 +261,8 @@ fn is_bounded(line: &Line, trace: &Trace) -> bool {
 }
 
 /// Types with an endless source, of which none came through.
-fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
-    use linewright::line::trace::EventKind;
+fn never_through(line: &Line, trace: &Logged) -> Vec<Failure> {
+    use linewright::line::log::EventKind;
     if trace.end != End::Time || !trace.violations.is_empty() {
         return Vec::new();
     }

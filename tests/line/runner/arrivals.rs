@@ -1,9 +1,9 @@
 //! Parts that come at the instants of a table.
 
-use crate::models::{Builder, at, constant};
+use crate::models::{Builder, Logged, RunLogged, at, constant};
 use linewright::contract::line::{Choice, NodeKind};
-use linewright::line::trace::EventKind;
-use linewright::line::{End, Options, Trace};
+use linewright::line::log::EventKind;
+use linewright::line::{End, Options};
 
 /// A source with these instants, a buffer with this much room, and a station that takes 10 s.
 fn line(instants: &[f64], room: u32) -> Builder {
@@ -18,13 +18,13 @@ fn line(instants: &[f64], room: u32) -> Builder {
 }
 
 /// When parts left the source, and when they reached the sink.
-fn times(trace: &Trace, node: usize, what: EventKind) -> Vec<f64> {
+fn times(trace: &Logged, node: usize, what: EventKind) -> Vec<f64> {
     let log = trace.log.iter();
     let entries = log.filter(|entry| entry.node == node && entry.what == what);
     entries.map(|entry| entry.time).collect()
 }
 
-fn entered(trace: &Trace) -> Vec<f64> {
+fn entered(trace: &Logged) -> Vec<f64> {
     times(trace, 0, EventKind::Entered)
 }
 
@@ -107,10 +107,9 @@ fn replacements_do_not_use_up_rows() {
 fn seeds_do_not_change_the_instants() {
     let mut plant = line(&[0.0, 7.0, 7.5], 10).plant(Options {
         parts: Some(3),
-        log: true,
         ..Options::default()
     });
-    let first = entered(&plant.run_seeded(1));
+    let first = entered(&plant.run_logged());
     assert_eq!(first, [0.0, 7.0, 7.5]);
-    assert_eq!(entered(&plant.run_seeded(2)), first);
+    assert_eq!(entered(&plant.run_logged_seeded(2)), first);
 }

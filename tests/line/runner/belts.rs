@@ -4,7 +4,7 @@ use crate::models::{Builder, Shift1, constant, every, span};
 use linewright::contract::line::{Defect, InitialValue, Supply};
 use linewright::contract::machine::{RealExpr, RealUnary};
 use linewright::line::End;
-use linewright::line::trace::EventKind;
+use linewright::line::log::EventKind;
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 
 #[test]

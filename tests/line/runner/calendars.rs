@@ -1,9 +1,9 @@
 //! Calendars: several shifts, breaks, weekdays, holidays and nights, per line and per station.
 
-use crate::models::{Builder, constant, every, plant_of};
+use crate::models::{Builder, Logged, RunLogged, constant, every, plant_of};
 use linewright::contract::calendar::{Shift, WorkCalendar};
+use linewright::line::log::EventKind;
 use linewright::line::random::{Purpose, Stream};
-use linewright::line::trace::EventKind;
 use linewright::line::{End, Options, Trace};
 
 const HOUR: f64 = 3600.0;
@@ -239,17 +239,16 @@ fn one_station(station: &str, line: &str) -> String {
     )
 }
 
-fn run(text: &str, hours: f64) -> Trace {
+fn run(text: &str, hours: f64) -> Logged {
     let options = Options {
         until: Some(hours * HOUR),
-        log: true,
         ..Options::default()
     };
-    plant_of(text, options).run()
+    plant_of(text, options).run_logged()
 }
 
 /// The hours at which parts are finished.
-fn finished(trace: &Trace) -> Vec<f64> {
+fn finished(trace: &Logged) -> Vec<f64> {
     let finished = trace.log.iter().filter(|e| e.what == EventKind::Finished);
     finished.map(|e| e.time / HOUR).collect()
 }

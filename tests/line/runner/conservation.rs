@@ -1,12 +1,12 @@
 //! Random small lines with all features: no part is lost, all time is booked, and the same seed
 //! gives the same run.
 
-use crate::models::{Builder, Shift1, Work, at_random, every, failing, took};
+use crate::models::{Builder, Logged, RunLogged, Shift1, Work, at_random, every, failing, took};
 use linewright::contract::distribution::Distribution;
 use linewright::contract::line::{Defect, InitialValue, Supply};
 use linewright::contract::machine::{RealBinary, RealExpr};
 use linewright::line::random::Stream;
-use linewright::line::{End, Options, Plant, Trace};
+use linewright::line::{End, Options, Plant};
 use linewright::station::{CallError, ErrorCode};
 use proptest::prelude::*;
 
@@ -138,7 +138,7 @@ fn line(seed: u64, ample: bool) -> Builder {
     builder
 }
 
-fn check(trace: &Trace) -> Result<(), TestCaseError> {
+fn check(trace: &Logged) -> Result<(), TestCaseError> {
     // Every run itself asserts that the accounts agree with the existing parts.
     let p = trace.parts;
     prop_assert_eq!(
@@ -177,7 +177,6 @@ fn plant(seed: u64, until: Option<f64>, ample: bool) -> Plant {
         seed,
         parts: Some(20),
         until,
-        log: true,
         ..Options::default()
     })
 }
@@ -187,15 +186,15 @@ proptest! {
 
     #[test]
     fn no_part_and_no_time_is_lost(seed in 0_u64..1_000_000_000, until in prop::option::of(0.0..500.0)) {
-        let trace = plant(seed, until, false).run();
+        let trace = plant(seed, until, false).run_logged();
         check(&trace)?;
         prop_assert!(trace.end == End::Products || until.is_some() || trace.findings.iter().any(|f| f.code.id == "LW403"));
-        prop_assert_eq!(format!("{trace:?}"), format!("{:?}", plant(seed, until, false).run()));
+        prop_assert_eq!(format!("{trace:?}"), format!("{:?}", plant(seed, until, false).run_logged()));
     }
 
     #[test]
     fn a_line_with_ample_supply_never_stands_still(seed in 0_u64..1_000_000_000) {
-        let trace = plant(seed, None, true).run();
+        let trace = plant(seed, None, true).run_logged();
         check(&trace)?;
         prop_assert_eq!(trace.end, End::Products, "{:?}", trace.findings);
     }

@@ -2,8 +2,8 @@
 //! runner's closed form.
 
 use crate::models::{Builder, Work, constant, every, took};
+use linewright::line::log::EventKind;
 use linewright::line::random::Stream;
-use linewright::line::trace::EventKind;
 use proptest::prelude::*;
 
 #[test]

@@ -256,7 +256,7 @@ fn replications_do_not_depend_on_the_number_of_threads() {
     let make = |_: bool| Ok(plant_of(QUEUE, options));
     let (traces, figures) = plant_of(QUEUE, options).replicate(23);
     for threads in [1, 2, 3, 8, 40] {
-        let (other, same) = replicate(threads, make, Count::Fixed(23)).expect("it runs");
+        let (other, same) = replicate(threads, make, Count::Fixed(23), None).expect("it runs");
         assert_eq!(figures, same, "{threads} threads");
         let seconds = |traces: &[Trace]| -> Vec<f64> { traces.iter().map(|t| t.seconds).collect() };
         assert_eq!(seconds(&traces), seconds(&other), "{threads} threads");
@@ -274,7 +274,7 @@ fn replications_go_on_until_they_are_precise() {
         precision: 0.05,
         most: 1000,
     };
-    let (_, figures) = replicate(2, make, count).expect("it runs");
+    let (_, figures) = replicate(2, make, count, None).expect("it runs");
     let runs = figures.seeds.len();
     assert!((20..1000).contains(&runs), "{runs}");
     for estimate in [figures.throughput_per_hour, figures.lead_time] {
@@ -283,14 +283,14 @@ fn replications_go_on_until_they_are_precise() {
     }
     assert!(figures.findings.is_empty());
     // The same runs as with a fixed number.
-    let (_, fixed) = replicate(3, make, Count::Fixed(runs as u64)).expect("it runs");
+    let (_, fixed) = replicate(3, make, Count::Fixed(runs as u64), None).expect("it runs");
     assert_eq!(fixed, figures);
 
     let count = Count::Until {
         precision: 0.001,
         most: 30,
     };
-    let (_, figures) = replicate(2, make, count).expect("it runs");
+    let (_, figures) = replicate(2, make, count, None).expect("it runs");
     assert_eq!(figures.seeds.len(), 30);
     assert_eq!(figures.findings.len(), 1);
     assert!(figures.findings[0].message.contains("cannot give"));

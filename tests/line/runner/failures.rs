@@ -1,11 +1,11 @@
 //! Failure modes, on lines with constant times: the instants can be computed by hand.
 
-use crate::models::plant_of;
-use linewright::line::trace::EventKind;
-use linewright::line::{End, Options, Trace};
+use crate::models::{Logged, RunLogged, plant_of};
+use linewright::line::log::EventKind;
+use linewright::line::{End, Options};
 
 /// Runs a station with these statements; parts come every `interval`.
-fn run(interval: &str, statements: &str, until: f64) -> Trace {
+fn run(interval: &str, statements: &str, until: f64) -> Logged {
     let text = format!(
         "line L {{
             part P
@@ -17,14 +17,13 @@ fn run(interval: &str, statements: &str, until: f64) -> Trace {
     );
     let options = Options {
         until: Some(until),
-        log: true,
         ..Options::default()
     };
-    plant_of(&text, options).run()
+    plant_of(&text, options).run_logged()
 }
 
 /// The instants of these events.
-fn instants(trace: &Trace, what: EventKind) -> Vec<f64> {
+fn instants(trace: &Logged, what: EventKind) -> Vec<f64> {
     let events = trace.log.iter().filter(|entry| entry.what == what);
     events.map(|entry| entry.time).collect()
 }
@@ -81,10 +80,9 @@ fn restarted_setup_is_done_twice() {
     }";
     let options = Options {
         parts: Some(1),
-        log: true,
         ..Options::default()
     };
-    let trace = plant_of(text, options).run();
+    let trace = plant_of(text, options).run_logged();
     // P until 10, setup from 10 to 13 and from 18 to 28; Q from 28 to 31, and from 36 to 46.
     assert_eq!(instants(&trace, EventKind::Ended), [10.0, 46.0]);
     assert!((trace.stations[0].shares.setup - 13.0 / 46.0).abs() < 1e-12);
@@ -170,7 +168,7 @@ fn a_blocked_line_with_failures_ends() {
         parts: Some(5),
         ..Options::default()
     };
-    let trace = plant_of(text, options).run();
+    let trace = plant_of(text, options).run_logged();
     assert_eq!(trace.end, End::Blocked);
     assert_eq!(trace.seconds, 6.0);
 }
@@ -181,7 +179,7 @@ fn modes_have_random_numbers_of_their_own() {
     let one = "takes 10 s failures a: mtbf 50 s mttr 5 s by calendar";
     let two = format!("{one} failures b: mtbf 1e8 s mttr 1 s by calendar");
     let (one, two) = (run("0 s", one, 2000.0), run("0 s", &two, 2000.0));
-    let failed = |trace: &Trace| instants(trace, EventKind::Failed);
+    let failed = |trace: &Logged| instants(trace, EventKind::Failed);
     assert!(failed(&one).len() > 20);
     assert_eq!(failed(&one), failed(&two));
 }
@@ -204,6 +202,6 @@ fn outdated_events_are_no_livelock() {
         until: Some(2.1),
         ..Options::default()
     };
-    let trace = plant_of(text, options).run();
+    let trace = plant_of(text, options).run_logged();
     assert_eq!((trace.end, trace.products), (End::Time, 1));
 }

@@ -4,7 +4,8 @@ use crate::models::{Builder, constant, every, refusing, verdict};
 use linewright::contract::line::{Defect, InitialValue, NodeKind, Supply};
 use linewright::contract::machine::{RealBinary, RealExpr};
 use linewright::line::End;
-use linewright::line::trace::{EventKind, PartCounts, Reject};
+use linewright::line::log::EventKind;
+use linewright::line::trace::{PartCounts, Reject};
 
 #[expect(clippy::unnecessary_wraps, reason = "what a route has")]
 fn is(property: usize, value: f64) -> Option<RealExpr> {

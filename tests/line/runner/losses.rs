@@ -1,24 +1,24 @@
 //! Parts that are lost in the line: scrap after a failure, and parts that expire. Also dwell times,
 //! and lines that make several products.
 
-use crate::models::plant_of;
-use linewright::line::trace::{EventKind, Trace};
+use crate::models::{Logged, RunLogged, plant_of};
+use linewright::line::log::EventKind;
+use linewright::line::trace::Trace;
 use linewright::line::{Estimate, Options};
 
-fn run(text: &str, options: Options) -> Trace {
-    plant_of(text, options).run()
+fn run(text: &str, options: Options) -> Logged {
+    plant_of(text, options).run_logged()
 }
 
 fn until(seconds: f64) -> Options {
     Options {
         until: Some(seconds),
-        log: true,
         ..Options::default()
     }
 }
 
 /// The instants of these events at a place, or anywhere.
-fn instants(trace: &Trace, what: EventKind) -> Vec<f64> {
+fn instants(trace: &Logged, what: EventKind) -> Vec<f64> {
     let events = trace.log.iter().filter(|entry| entry.what == what);
     events.map(|entry| entry.time).collect()
 }

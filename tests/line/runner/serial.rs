@@ -1,11 +1,11 @@
 //! Serial lines with blocking after service, compared with two independent references: the
 //! throughput on which other simulators agree, and the recursion over departure times (max-plus).
 
-use crate::models::{Builder, Exponential, Work, plant_of, took};
+use crate::models::{Builder, Exponential, Logged, RunLogged, Work, plant_of, took};
 use linewright::contract::distribution::Distribution;
+use linewright::line::log::EventKind;
 use linewright::line::random::{Purpose, Stream};
 use linewright::line::sampler::Sampler;
-use linewright::line::trace::EventKind;
 use linewright::line::{Options, Trace};
 use proptest::prelude::*;
 
@@ -122,7 +122,7 @@ fn check_against_recursion(stations: usize, buffers: &[usize], parts: usize, see
 }
 
 /// All departures from these stations are at these times exactly.
-fn check_departures(trace: &Trace, stations: &[usize], expected: &[Vec<f64>]) {
+fn check_departures(trace: &Logged, stations: &[usize], expected: &[Vec<f64>]) {
     for (node, expected) in stations.iter().zip(expected) {
         let left: Vec<f64> = trace
             .log
@@ -208,7 +208,6 @@ fn departures_of_drawn_times_equal_the_recursion() {
         let options = Options {
             seed,
             parts: Some(PARTS as u64),
-            log: true,
             ..Options::default()
         };
         let mut plant = plant_of(&text, options);
@@ -219,7 +218,11 @@ fn departures_of_drawn_times_equal_the_recursion() {
             .map(|(index, _)| index)
             .collect();
         assert_eq!(stations.len(), count);
-        check_departures(&plant.run(), &stations, &recursion(&services, &buffers));
+        check_departures(
+            &plant.run_logged(),
+            &stations,
+            &recursion(&services, &buffers),
+        );
     }
 }
 

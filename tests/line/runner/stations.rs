@@ -2,7 +2,7 @@
 
 use crate::models::{Builder, constant, every, failing, plant_of};
 use linewright::contract::distribution::Distribution;
-use linewright::line::trace::EventKind;
+use linewright::line::log::EventKind;
 use linewright::line::{Bottleneck, Options, Trace};
 
 fn near(a: f64, b: f64, tolerance: f64) {

@@ -1,10 +1,10 @@
 //! Turns: the oldest request that a node would accept, including belts.
 
-use crate::models::{Builder, Shift1, at_random, constant, every};
+use crate::models::{Builder, Logged, Shift1, at_random, constant, every};
 use linewright::contract::line::Supply;
+use linewright::line::End;
+use linewright::line::log::EventKind;
 use linewright::line::random::Stream;
-use linewright::line::trace::EventKind;
-use linewright::line::{End, Trace};
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 use std::collections::BTreeMap;
 
@@ -125,7 +125,7 @@ impl Controller for Wavers {
 /// Room is not reserved for ever for a belt that does not hand over.
 #[test]
 fn a_belt_that_does_not_hand_over_loses_its_turn() {
-    let run = |controller: Box<dyn Controller>, supply: Supply| -> (Trace, u64) {
+    let run = |controller: Box<dyn Controller>, supply: Supply| -> (Logged, u64) {
         let mut builder = Builder::new(&["A", "B"]);
         builder
             .source("a", "A", every(0.0, Some(1)))
@@ -199,7 +199,7 @@ fn a_belt_before_a_belt_is_served_in_its_turn() {
 
 /// A station fed by several nodes, each with its own part type.
 struct Fed {
-    trace: Trace,
+    trace: Logged,
     station: usize,
     /// By part type: its source node, and the kind of feeder.
     feeders: BTreeMap<usize, (usize, Feeder)>,

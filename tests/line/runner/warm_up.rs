@@ -1,6 +1,6 @@
 //! Warm-up, work in process, and buffers.
 
-use crate::models::plant_of;
+use crate::models::{RunLogged, plant_of};
 use linewright::line::{End, Options, Trace};
 
 fn run(text: &str, options: Options) -> Trace {
@@ -64,11 +64,8 @@ fn a_warm_up_does_not_change_the_run() {
         route P: rack -> queue -> cell -> out
     }";
     let logged = |warm_up| {
-        let options = Options {
-            log: true,
-            ..until(5000.0, warm_up)
-        };
-        run(text, options).log
+        let logged = plant_of(text, until(5000.0, warm_up)).run_logged();
+        logged.movements().copied().collect::<Vec<_>>()
     };
     assert_eq!(logged(0.0), logged(1234.5));
 }

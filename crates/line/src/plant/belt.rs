@@ -21,8 +21,9 @@
 
 use super::flow::Way;
 use super::{BELT, Event, Place, Run};
+use crate::log::EventKind;
 use crate::plant::part::PartIndex;
-use crate::trace::{End, EventKind};
+use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Belt, NodeKind};
 use linewright_language::contract::machine::PlantSource;

@@ -105,6 +105,7 @@ impl Run<'_> {
 
     /// Advances the run to `horizon` without anything that ends before.
     fn rest_until(&mut self, horizon: f64) {
+        self.record_rest(horizon);
         let rest = horizon - self.now;
         for node in 0..self.nodes.len() {
             self.end_wait(node);

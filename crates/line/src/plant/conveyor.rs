@@ -12,8 +12,8 @@
 //! - When the first part leaves, all parts that had closed up start moving together.
 
 use super::{Event, Place, Run, WORK};
+use crate::log::EventKind;
 use crate::plant::part::PartIndex;
-use crate::trace::EventKind;
 use linewright_language::contract::line::NodeKind;
 use std::collections::VecDeque;
 

@@ -6,9 +6,9 @@
 
 use super::station::Phase;
 use super::{Event, Place, Run, WORK, stream};
+use crate::log::EventKind;
 use crate::random::Purpose;
 use crate::sampler::Sampler;
-use crate::trace::EventKind;
 use linewright_language::contract::machine::{Between, FailureMode, InterruptedWork};
 use std::collections::VecDeque;
 
@@ -179,6 +179,7 @@ impl Run<'_> {
         }
         station.book(now);
         self.record(node, None, EventKind::Failed);
+        self.record_state(node);
         if interrupted == InterruptedWork::ScrapsPart {
             self.scrap_work(node);
         }

@@ -13,6 +13,7 @@ use linewright_language::contract::line::{Line, NodeKind, Supply};
 impl Run<'_> {
     pub(super) fn finish(mut self, end: End) -> Trace {
         self.report_short_run();
+        self.log_end(end);
         let batches = self.close_batches(end);
         let (mut stations, mut conveyors, mut buffers) = (Vec::new(), Vec::new(), Vec::new());
         let mut sources = Vec::new();
@@ -178,7 +179,6 @@ impl Run<'_> {
             requirements: Vec::new(),
             findings: self.journal.findings,
             batches,
-            log: self.journal.log,
         };
         requirement::check(self.line, &mut trace);
         trace

@@ -29,7 +29,8 @@
 use super::part::PartIndex;
 use super::queue::Request;
 use super::{Node, Place, Run};
-use crate::trace::{End, EventKind};
+use crate::log::{EventKind, Other};
+use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Choice, Line, NodeKind};
 use linewright_language::contract::machine::RealExpr;
@@ -515,7 +516,7 @@ impl Run<'_> {
             Place::Belt(_) => self.belt_left(node),
             Place::Sink => {}
         }
-        self.record(node, Some(part), EventKind::Left);
+        self.record_with(node, Some(part), EventKind::Left, Some(Other::Node(to)));
         self.look_at(node);
         self.arrive(node, to, part);
     }
@@ -631,8 +632,8 @@ impl Run<'_> {
     /// Removes a part from the line as scrap, and orders replacements from the source `reorder`, if
     /// any.
     pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
-        self.charge_scrap(part);
-        self.discard(node, part, reorder);
+        let charged = self.charge_scrap(part);
+        self.discard(node, part, charged, reorder);
     }
 
     /// Removes a part from the line as scrap that a failure made, or that has expired, and orders
@@ -640,33 +641,45 @@ impl Run<'_> {
     pub(super) fn scrap(&mut self, node: usize, part: PartIndex) {
         self.counters.scrapped += self.setup.single_parts(self.parts[part].kind);
         let replacement = self.replacement(self.parts[part].kind);
-        self.discard(node, part, replacement);
+        self.discard(node, part, Some(node), replacement);
     }
 
-    fn discard(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
-        self.record(node, Some(part), EventKind::Rejected);
+    /// Removes a part that was rejected because of the node `charged`, if any.
+    fn discard(
+        &mut self,
+        node: usize,
+        part: PartIndex,
+        charged: Option<usize>,
+        reorder: Option<usize>,
+    ) {
+        let because_of = charged.map(Other::Node);
+        self.record_with(node, Some(part), EventKind::Rejected, because_of);
         let kind = self.parts[part].kind;
         self.counters.rejects[kind].0 += 1;
         self.count_out(kind);
-        self.leave_line(part);
-        if let Some(source) = reorder {
-            let NodeKind::Source { part: ordered, .. } = self.line.nodes[source].kind else {
-                return;
-            };
+        if let Some(source) = reorder
+            && let NodeKind::Source { part: ordered, .. } = self.line.nodes[source].kind
+        {
             let count = self.setup.content(kind, ordered);
+            let from = Some(Other::Node(source));
+            self.record_with(node, Some(part), EventKind::Reordered(count), from);
+            self.leave_line(part);
             self.order(source, count);
             self.counters.rejects[kind].1 += count;
+        } else {
+            self.leave_line(part);
         }
     }
 
     /// Charges a rejected part to the station whose defect changed it last; without a defect, to
-    /// the station that worked on it last. A part that no station has worked on is not scrap.
-    fn charge_scrap(&mut self, part: PartIndex) {
+    /// the station that worked on it last. A part that no station has worked on is not scrap. Returns
+    /// the station.
+    fn charge_scrap(&mut self, part: PartIndex) -> Option<usize> {
         let part = &self.parts[part];
-        if let Some(station) = part.defect_at.or(part.worked_at) {
-            self.counters.scrapped += self.setup.single_parts(part.kind);
-            self.station(station as usize).scrapped += 1;
-        }
+        let station = part.defect_at.or(part.worked_at)? as usize;
+        self.counters.scrapped += self.setup.single_parts(part.kind);
+        self.station(station).scrapped += 1;
+        Some(station)
     }
 
     /// The source from which a replacement is ordered for a part that was removed before it reached

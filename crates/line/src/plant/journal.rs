@@ -1,8 +1,8 @@
-//! Records of a run: log, violations, and findings.
+//! Records of a run: violations and findings.
 
 use super::Run;
 use super::part::PartIndex;
-use crate::trace::{EventKind, LogEntry, MAX_VIOLATIONS, Violation};
+use crate::trace::{MAX_VIOLATIONS, Violation};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_station::{CallError, ErrorCode};
 use std::collections::BTreeMap;
@@ -10,8 +10,6 @@ use std::collections::BTreeMap;
 /// Records of one run.
 #[derive(Debug, Default)]
 pub(super) struct Journal {
-    /// Every movement and operation, if the options request it.
-    pub log: Vec<LogEntry>,
     /// The first violations, up to [`MAX_VIOLATIONS`].
     pub violations: Vec<Violation>,
     /// Total number of violations.
@@ -37,23 +35,6 @@ impl Journal {
 }
 
 impl Run<'_> {
-    /// Records a movement or an operation, if the options request it.
-    #[inline]
-    pub(super) fn record(&mut self, node: usize, part: Option<PartIndex>, what: EventKind) {
-        if self.setup.options.log {
-            self.log(node, part, what);
-        }
-    }
-
-    fn log(&mut self, node: usize, part: Option<PartIndex>, what: EventKind) {
-        self.journal.log.push(LogEntry {
-            time: self.now,
-            node,
-            part: part.map(|part| (self.parts[part].number, self.parts[part].kind)),
-            what,
-        });
-    }
-
     /// Records that a controller returned an error.
     pub(super) fn violate(&mut self, node: usize, part: Option<PartIndex>, error: CallError) {
         self.journal.violation_count += 1;
@@ -108,15 +89,19 @@ impl Run<'_> {
                 ),
             );
         }
+        let violation = Violation {
+            time: self.now,
+            node,
+            part,
+            code: error.code,
+            rule: error.rule,
+            message: error.message,
+        };
+        if let Some(observer) = &mut self.recorder.observer {
+            observer.record_violation(&violation);
+        }
         if self.journal.violations.len() < MAX_VIOLATIONS {
-            self.journal.violations.push(Violation {
-                time: self.now,
-                node,
-                part,
-                code: error.code,
-                rule: error.rule,
-                message: error.message,
-            });
+            self.journal.violations.push(violation);
         }
     }
 }

@@ -16,6 +16,7 @@ mod failures;
 mod finish;
 mod flow;
 mod journal;
+mod observe;
 mod part;
 mod progress;
 mod queue;
@@ -26,6 +27,7 @@ mod waits;
 mod warm_up;
 
 use super::calendar::Calendar;
+use super::log::Observer;
 use super::random::{Purpose, Stream};
 use super::sampler::Sampler;
 use super::trace::{End, Trace};
@@ -42,6 +44,7 @@ use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Limit, Line, NodeKind, declared_name};
 use linewright_station::Controller;
+use observe::Recorder;
 use part::Parts;
 use progress::{LATEST_SECONDS, Progress};
 use queue::{Agenda, Requests};
@@ -187,6 +190,7 @@ struct Run<'a> {
     end: Option<End>,
     counters: Counters,
     journal: Journal,
+    recorder: Recorder<'a>,
     progress: Progress,
     /// The batches so far; `None` before counting begins, and if none are wanted.
     cuts: Option<Cuts>,
@@ -333,17 +337,27 @@ impl Plant {
 
     /// Runs the line from its start with this seed.
     pub fn run_seeded(&mut self, seed: u64) -> Trace {
-        let mut run = self.begin(seed);
+        self.run_observed(seed, None)
+    }
+
+    /// Runs the line from its start with this seed, before the eyes of an observer. The trace is
+    /// the same without it.
+    pub fn run_observed(&mut self, seed: u64, observer: Option<&mut dyn Observer>) -> Trace {
+        // Shortens the life of the reference to that of the run.
+        let observer = observer.map(|observer| observer as &mut dyn Observer);
+        let mut run = self.begin(seed, observer);
         let end = run.advance();
         run.finish(end)
     }
 
     /// Prepares a run from the start of the line with this seed.
-    fn begin(&mut self, seed: u64) -> Run<'_> {
+    fn begin<'a>(&'a mut self, seed: u64, observer: Option<&'a mut dyn Observer>) -> Run<'a> {
         for controller in self.controllers.iter_mut().flatten() {
             controller.reset();
         }
-        Run::new(&self.setup, &mut self.controllers, seed)
+        let mut run = Run::new(&self.setup, &mut self.controllers, seed);
+        run.recorder.observer = observer;
+        run
     }
 
     /// Counts a complete run for the monitor.
@@ -426,6 +440,7 @@ impl<'a> Run<'a> {
             end: None,
             counters: Counters::new(line, seed),
             journal: Journal::default(),
+            recorder: Recorder::default(),
             progress: Progress::default(),
             cuts: None,
         }
@@ -433,6 +448,7 @@ impl<'a> Run<'a> {
 
     /// Runs to the end and returns the reason for ending.
     fn advance(&mut self) -> End {
+        self.open_log();
         if self.setup.target == Some(0) {
             return End::Products;
         }

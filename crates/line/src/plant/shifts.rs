@@ -68,6 +68,21 @@ impl Shifts {
         })
     }
 
+    /// Whether a node is on shift from `now` on, and at each change before `end`.
+    pub(super) fn until(&self, node: usize, now: f64, end: f64) -> Vec<(f64, bool)> {
+        let Some(state) = self.of_nodes[node] else {
+            return vec![(now, true)];
+        };
+        let calendar = &self.calendars[state].calendar;
+        let mut changes = vec![(now, calendar.works_at(now))];
+        let mut next = change_after(calendar, now);
+        while let Some(change) = next.filter(|change| change.time < end) {
+            changes.push((change.time, change.works));
+            next = change_after(calendar, change.time);
+        }
+        changes
+    }
+
     /// Time of the next change in seconds.
     fn next_time(&self) -> Option<f64> {
         let changes = self.calendars.iter().filter_map(|state| state.next);

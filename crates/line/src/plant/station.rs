@@ -3,11 +3,12 @@
 use super::failures::Failures;
 use super::waits::Waits;
 use super::{Event, Node, Place, Run, WORK, stream};
+use crate::log::{EventKind, Other};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
 use crate::sampler::Sampler;
 use crate::statistics::{Activity, Clock};
-use crate::trace::{EventKind, Oee, WorkTime};
+use crate::trace::{Oee, WorkTime};
 use linewright_language::contract::line::{self, Line, NodeKind};
 use linewright_language::contract::machine::PropertyKind;
 use linewright_station::{CallError, ErrorCode, Service};
@@ -320,6 +321,19 @@ impl Station {
         self.remaining = self.phase_seconds;
     }
 
+    /// Seconds of the interrupted service that are done.
+    pub(super) fn work_done(&self) -> f64 {
+        self.phase_seconds - self.remaining
+    }
+
+    /// Seconds of the service that has just ended, without failures, and of those the seconds of
+    /// control if a controller determined them.
+    pub(super) fn work_ended(&self) -> (f64, Option<f64>) {
+        let is_controlled = self.times[self.task].is_none();
+        let control_seconds = is_controlled.then_some(self.service_control);
+        (self.phase_seconds, control_seconds)
+    }
+
     /// Energy that the service in progress has used, in joules.
     fn joules_so_far(&self) -> f64 {
         self.joules_used(self.remaining)
@@ -347,8 +361,14 @@ impl Station {
     /// Books time from now on under the current activity.
     #[inline]
     pub(super) fn book(&mut self, now: f64) {
-        let works = self.on_shift || self.overtime;
-        let activity = match self.phase {
+        let activity = self.activity(self.on_shift || self.overtime);
+        self.clock.switch(now, activity);
+    }
+
+    /// The current activity. `works` states whether the station is on shift or in overtime.
+    #[inline]
+    pub(super) fn activity(&self, works: bool) -> Activity {
+        match self.phase {
             _ if self.failures.is_failed() && works => Activity::Failed,
             _ if self.failures.is_failed() => Activity::FailedOffShift,
             _ if !works => Activity::Idle,
@@ -356,8 +376,7 @@ impl Station {
             Phase::Setup => Activity::Setup,
             Phase::Service => Activity::Busy,
             Phase::Done => Activity::Blocked,
-        };
-        self.clock.switch(now, activity);
+        }
     }
 
     /// Books the time from `now` to `until`, in which nothing changes and the given seconds are on
@@ -430,6 +449,15 @@ impl Station {
             quality: (1.0 - self.scrapped as f64 / (self.processed + self.broken) as f64).max(0.0),
         })
     }
+}
+
+/// The properties that the work on a part has changed.
+fn changes(before: &[f64], after: &[f64]) -> Vec<(EventKind, Other)> {
+    let pairs = before.iter().zip(after).enumerate();
+    pairs
+        .filter(|(_, (before, after))| before.to_bits() != after.to_bits())
+        .map(|(property, (_, after))| (EventKind::Changed, Other::Property(property, *after)))
+        .collect()
 }
 
 #[inline]
@@ -523,8 +551,9 @@ impl Run<'_> {
             component.reworked(self.setup.single_parts(component.kind))
         });
         let reworked = reworked.sum();
+        let joined = Some(Other::Part(self.parts[part].number));
         for component in components() {
-            self.record(node, Some(component), EventKind::Consumed);
+            self.record_with(node, Some(component), EventKind::Consumed, joined);
             self.leave_line(component);
             self.counters.consumed += 1;
         }
@@ -583,6 +612,7 @@ impl Run<'_> {
         station.joules += station.joules_so_far();
         station.scrapped += 1;
         station.broken += 1;
+        self.record(node, Some(part), EventKind::Aborted);
         self.station_left(node);
         self.scrap(node, part);
     }
@@ -706,6 +736,7 @@ impl Run<'_> {
         if let Some((seconds, number)) = self.station(node).resume(now) {
             self.schedule(now + seconds, WORK, Event::Station(node as u32, number));
         }
+        self.record_state(node);
     }
 
     /// Setup or service ends, or the station breaks down.
@@ -750,6 +781,7 @@ impl Run<'_> {
             self.resume(node);
         } else {
             station.book(now);
+            self.record_state(node);
             self.begin_wait(node);
             self.look_at(node);
         }
@@ -775,6 +807,7 @@ impl Run<'_> {
             self.change_properties(node, part);
         }
         self.record(node, Some(part), EventKind::Ended);
+        self.record_state(node);
         if can_strike {
             for mode in self.station(node).failures.part_finished() {
                 self.break_down(node, mode);
@@ -789,6 +822,7 @@ impl Run<'_> {
 
     /// Gives a part the properties that follow from the work on it, and possibly random defects.
     fn change_properties(&mut self, node: usize, part: PartIndex) {
+        let observed = self.is_observed();
         let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
             return;
         };
@@ -797,10 +831,12 @@ impl Run<'_> {
             return;
         };
         let finished = &mut self.parts[part];
+        let before = observed.then(|| finished.properties.clone());
         if station.times[station.task].is_none() {
             finished.properties.clone_from(&station.outcome);
         }
         declared.set_values(finished.kind, &mut finished.properties);
+        let mut changes = before.map(|before| changes(&before, &finished.properties));
         for defect in defects.iter().filter(|d| d.part == finished.kind) {
             if defect.properties.is_empty() || !station.defects.chance(defect.probability) {
                 continue;
@@ -813,6 +849,12 @@ impl Run<'_> {
             finished.properties.truncate(count);
             finished.properties[chosen] = value;
             finished.defect_at = Some(node as u32);
+            if let Some(changes) = &mut changes {
+                changes.push((EventKind::Defect, Other::Property(chosen, value)));
+            }
+        }
+        for (what, property) in changes.into_iter().flatten() {
+            self.record_with(node, Some(part), what, Some(property));
         }
     }
 
@@ -820,6 +862,7 @@ impl Run<'_> {
     pub(super) fn station_left(&mut self, node: usize) {
         let now = self.now;
         self.station(node).clear(now);
+        self.record_state(node);
     }
 
     /// A shift of the station begins or ends. If work that has begun is finished, the station goes

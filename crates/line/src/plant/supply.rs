@@ -1,10 +1,10 @@
 //! Where parts come from and where they go: sources, stores and sinks.
 
 use super::{Event, Place, Run, WORK, stream};
+use crate::log::EventKind;
 use crate::plant::part::PartIndex;
 use crate::random::Purpose;
 use crate::sampler::Sampler;
-use crate::trace::EventKind;
 use linewright_language::contract::line::{NodeKind, Supply};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -226,7 +226,9 @@ impl Run<'_> {
             self.schedule_arrival(node);
         }
         self.counters.in_line[part] += 1;
-        Some(self.parts.create(self.line, part, |_| None))
+        let part = self.parts.create(self.line, part, |_| None);
+        self.record(node, Some(part), EventKind::Made);
+        Some(part)
     }
 
     /// Schedules the next part of a source, if it is not due yet. Called at the start, and when a

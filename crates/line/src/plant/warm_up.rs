@@ -16,7 +16,7 @@ impl Plant {
     /// Returns `LW404` if the pilot run is too short, and `LW204` if the deadline cut it off.
     pub fn find_warm_up(&mut self) -> Result<f64, Box<Diagnostic>> {
         self.setup.options.warm_up = 0.0;
-        let mut run = self.begin(self.setup.options.seed);
+        let mut run = self.begin(self.setup.options.seed, None);
         run.counters.observations = Some(Vec::new());
         if run.advance() == End::GaveUp
             && let Some(late) = run.journal.findings.pop()
@@ -66,6 +66,7 @@ impl Run<'_> {
     /// end so far, get those for the wanted products, if these are of one type.
     pub(super) fn end_warm_up(&mut self) {
         let now = self.now;
+        self.close_log();
         self.counting_since = Some(now);
         for node in 0..self.nodes.len() {
             self.end_wait(node);
@@ -87,6 +88,7 @@ impl Run<'_> {
             self.begin_wait(node);
         }
         self.counters.forget(self.line, now, self.seed);
+        self.log_counting();
         self.begin_batches();
         let (Some(target), Some(product)) = (self.setup.target, self.line.only_product()) else {
             return;
