@@ -1,6 +1,7 @@
 //! `linewright run`: simulates a line in the bundled runner, with controllers synthesized from its
 //! contracts.
 
+mod page;
 mod progress;
 mod what_if;
 
@@ -19,7 +20,8 @@ use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
 use crate::line::batches::{MAX_BATCHES, MIN_BATCHES};
 use crate::line::comparison::compare;
-use crate::line::{Count, Options};
+use crate::line::{Count, Observer, Options};
+use crate::report::html::Recorder;
 use crate::report::{self, Intervals};
 use clap::Args;
 use progress::RunProgress;
@@ -35,6 +37,7 @@ use what_if::{Changes, DEFAULT_PAIRS};
     linewright run examples/ice-lab/line.lw --parts 400 --warm-up 1h --batches 20
     linewright run examples/ice-lab/line.lw --parts 50 --set printer.time='40 s'
     linewright run examples/ice-lab/line.lw --parts 50 --what-if printer=10%
+    linewright run examples/bottling/line.lw --until 1d --report bottling.html
 
 TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).")]
 pub struct Arguments {
@@ -96,6 +99,10 @@ which requirements are judged. One long run needs one warm-up only. Batches are 
 each if --parts does. A finding says if they are too short"
     )]
     pub batches: Option<u32>,
+    /// Write a report as one HTML file: the line as a picture in which the run is played, charts,
+    /// tables, and the model itself. With replications, pictures and charts show the first run
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// Folder of the station libraries [default: .linewright next to the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -149,13 +156,16 @@ struct Simulated {
     line: Line,
     run: Run,
     findings: Vec<Diagnostic>,
+    /// What a report shows of the first run, if one is wanted.
+    recorder: Option<Recorder>,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let simulation = simulation_options(arguments, options)?;
-    let base = match simulate(arguments, &arguments.set, &simulation, options)? {
+    let is_recorded = arguments.report.is_some();
+    let base = match simulate(arguments, &arguments.set, &simulation, is_recorded, options)? {
         Ok(simulated) => simulated,
         Err(code) => return Ok(code),
     };
@@ -178,7 +188,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             },
             ..variant
         };
-        match simulate(arguments, &changes.set, &variant, options)? {
+        match simulate(arguments, &changes.set, &variant, false, options)? {
             Ok(simulated) => {
                 code = code.and(options.exit_code(&simulated.findings));
                 let differences = compare(&base.run.traces, &simulated.run.traces);
@@ -193,6 +203,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         line,
         run,
         findings,
+        ..
     } = &base;
     let sources = &loaded.library.sources;
     let trace = &run.traces[0];
@@ -200,6 +211,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let several = (!is_single).then_some(Intervals::Replications(&run.replications));
     let several = several.or(run.batches.as_ref().map(Intervals::Batches));
     let seconds = (!options.no_timing).then_some(run.seconds);
+    if let Some(path) = &arguments.report {
+        match page::write(path, arguments, &base, several, compared.as_ref()) {
+            Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
+            Err(finding) => {
+                console.findings(sources, &[*finding])?;
+                code = code.and(ExitCode::CannotRun);
+            }
+        }
+    }
     match options.format {
         Format::Json => {
             let mut document = report::json(line, trace, several, seconds);
@@ -282,6 +302,7 @@ fn simulate(
     arguments: &Arguments,
     set: &[Setting],
     simulation: &SimulationOptions,
+    is_recorded: bool,
     options: &GlobalOptions,
 ) -> anyhow::Result<Result<Simulated, ExitCode>> {
     let console = options.console();
@@ -350,7 +371,11 @@ fn simulate(
         monitor: progress.monitor(),
         ..simulation.clone()
     };
-    let run = simulation::simulate(line, &controlled, folder, &simulation, None);
+    let mut recorder = is_recorded.then(|| Recorder::new(line));
+    let observer = recorder
+        .as_mut()
+        .map(|recorder| recorder as &mut dyn Observer);
+    let run = simulation::simulate(line, &controlled, folder, &simulation, observer);
     progress.clear();
     match run {
         Ok(run) => {
@@ -363,6 +388,7 @@ fn simulate(
                 line,
                 run,
                 findings,
+                recorder,
             }))
         }
         Err(found) => {

@@ -32,6 +32,36 @@ pub trait Observer {
     }
 }
 
+/// Hands every event on to several observers, in order.
+#[derive(Default)]
+pub struct Observers<'a>(pub Vec<&'a mut dyn Observer>);
+
+impl Observer for Observers<'_> {
+    fn record(&mut self, entry: &LogEntry) {
+        for observer in &mut self.0 {
+            observer.record(entry);
+        }
+    }
+
+    fn record_violation(&mut self, violation: &Violation) {
+        for observer in &mut self.0 {
+            observer.record_violation(violation);
+        }
+    }
+
+    fn begin_counting(&mut self, moment: Moment) {
+        for observer in &mut self.0 {
+            observer.begin_counting(moment);
+        }
+    }
+
+    fn end(&mut self, moment: Moment, end: End) {
+        for observer in &mut self.0 {
+            observer.end(moment, end);
+        }
+    }
+}
+
 /// A moment of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {

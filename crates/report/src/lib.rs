@@ -1,11 +1,13 @@
-//! Formats a simulation run for people ([`table()`]) and for programs ([`json()`]).
+//! Formats a simulation run for people, as a table ([`table()`]) and as a page ([`html`]), and for
+//! programs ([`json()`]).
 //!
-//! Both formats show the figures of a [`Trace`](linewright_line::Trace). Figures are rounded to a
+//! All formats show the figures of a [`Trace`](linewright_line::Trace). Figures are rounded to a
 //! fixed number of decimal places, so that the same run always produces the same bytes. Only the
 //! wall time differs between runs; the caller passes it in and can omit it.
 
 use linewright_line::{Batches, Replications};
 
+pub mod html;
 mod json;
 mod table;
 mod what_if;

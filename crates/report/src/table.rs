@@ -461,7 +461,7 @@ fn requirements_of_all(out: &mut String, line: &Line, requirements: &[Replicated
 }
 
 /// Returns the condition of requirement number `index` of the line, such as `products >= 5`.
-fn required(line: &Line, index: usize) -> String {
+pub(super) fn required(line: &Line, index: usize) -> String {
     line.requirements.get(index).map_or(String::new(), |r| {
         // Computed bounds are rounded, such as the third of an hour's parts.
         let rounded = (r.bound * 1000.0).round() / 1000.0;
@@ -548,7 +548,8 @@ fn kwh(joules: f64) -> String {
     format!("{:.3}", joules / JOULES_PER_KWH)
 }
 
-fn bottleneck(bottleneck: &Bottleneck) -> String {
+/// Names what limits the throughput, with the evidence.
+pub(super) fn bottleneck(bottleneck: &Bottleneck) -> String {
     let engaged = |station: &Candidate| {
         // They differ if the station is off shift for a while.
         let on_shift = (station.engaged_on_shift - station.engaged).abs() > 1e-9;

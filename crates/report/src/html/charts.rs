@@ -1,0 +1,274 @@
+//! Charts as SVG: bars of shares, curves over time, histograms, intervals.
+//!
+//! Colours and patterns are classes of the style sheet, so that they follow the reader's scheme.
+
+use super::numbers::{count, figure, marks, time_marks};
+use super::series::{Columns, Curve};
+use maud::{Markup, PreEscaped, html};
+use std::fmt::Write as _;
+
+const WIDTH: f64 = 860.0;
+const LEFT: f64 = 56.0;
+const RIGHT: f64 = 16.0;
+const TOP: f64 = 12.0;
+const BOTTOM: f64 = 30.0;
+
+/// A part of a bar.
+pub(super) struct Piece {
+    /// Class of the style sheet that gives its colour and pattern.
+    pub class: &'static str,
+    /// Length, in the unit of the bar.
+    pub value: f64,
+    /// What the tooltip says.
+    pub title: String,
+}
+
+/// A bar of pieces.
+pub(super) struct Bar {
+    pub name: String,
+    pub pieces: Vec<Piece>,
+    /// Text at the end of the bar.
+    pub total: String,
+}
+
+/// Bars of pieces, one below the other. `max` is the value of the full width.
+pub(super) fn bars(label: &str, bars: &[Bar], max: f64) -> Markup {
+    const ROW: f64 = 26.0;
+    let longest = bars
+        .iter()
+        .map(|bar| bar.name.chars().count())
+        .max()
+        .unwrap_or(0);
+    let left = (longest as f64 * 7.2 + 12.0).clamp(60.0, 260.0);
+    let totals = bars
+        .iter()
+        .map(|bar| bar.total.chars().count())
+        .max()
+        .unwrap_or(0);
+    let right = totals as f64 * 7.2 + 12.0;
+    let scale = (WIDTH - left - right) / max.max(f64::MIN_POSITIVE);
+    let height = bars.len() as f64 * ROW + 4.0;
+    html! {
+        svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
+            @for (row, bar) in bars.iter().enumerate() {
+                @let y = row as f64 * ROW + 2.0;
+                text.name x=(left - 8.0) y=(y + 16.0) text-anchor="end" { (bar.name) }
+                @for (start, piece) in starts(&bar.pieces) {
+                    rect class=(piece.class) x=(number(left + start * scale)) y=(y) width=(number(piece.value * scale)) height=(ROW - 4.0) {
+                        title { (piece.title) }
+                    }
+                }
+                @let end = bar.pieces.iter().map(|piece| piece.value).sum::<f64>();
+                text x=(number(left + end * scale + 6.0)) y=(y + 16.0) { (bar.total) }
+            }
+        }
+    }
+}
+
+/// The pieces of a bar with the values at which they begin.
+fn starts(pieces: &[Piece]) -> impl Iterator<Item = (f64, &Piece)> {
+    let begins = pieces.iter().scan(0.0, |end, piece| {
+        let start = *end;
+        *end += piece.value;
+        Some(start)
+    });
+    begins.zip(pieces).filter(|(_, piece)| piece.value > 0.0)
+}
+
+/// A frame with axes: time to the right, a number upwards.
+struct Frame {
+    height: f64,
+    seconds: f64,
+    max: f64,
+}
+
+impl Frame {
+    fn x(&self, time: f64) -> f64 {
+        LEFT + (WIDTH - LEFT - RIGHT) * time / self.seconds.max(f64::MIN_POSITIVE)
+    }
+
+    fn y(&self, value: f64) -> f64 {
+        let room = self.height - TOP - BOTTOM;
+        TOP + room * (1.0 - value / self.max.max(f64::MIN_POSITIVE))
+    }
+
+    fn draw(&self, label: &str, warm_up: f64, inside: &Markup) -> Markup {
+        let height = self.height;
+        html! {
+            svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
+                @if warm_up > 0.0 {
+                    rect.warmup x=(LEFT) y=(TOP) width=(number(self.x(warm_up) - LEFT)) height=(height - TOP - BOTTOM) {
+                        title { "Warm-up: not counted" }
+                    }
+                }
+                @for mark in marks(self.max, 4) {
+                    line.grid x1=(LEFT) x2=(WIDTH - RIGHT) y1=(number(self.y(mark))) y2=(number(self.y(mark))) {}
+                    text x=(LEFT - 6.0) y=(number(self.y(mark) + 4.0)) text-anchor="end" { (figure(mark)) }
+                }
+                @for (time, text) in time_marks(self.seconds, 8) {
+                    text x=(number(self.x(time))) y=(height - 8.0) text-anchor="middle" { (text) }
+                }
+                (inside)
+            }
+        }
+    }
+}
+
+/// A number of parts over time: the mean of each bin as a line, and its maximum as an area. Time
+/// before `warm_up` is marked, and so is the `capacity`.
+pub(super) fn curve(label: &str, curve: &Curve, warm_up: f64, capacity: Option<u32>) -> Markup {
+    let highest = curve.maxima.iter().copied().max().unwrap_or(0) as f64;
+    let frame = Frame {
+        height: 170.0,
+        seconds: curve.end,
+        max: highest.max(capacity.map_or(1.0, f64::from)),
+    };
+    let maxima: Vec<f64> = curve.maxima.iter().map(|max| *max as f64).collect();
+    let area = stairs(&frame, &maxima, curve.width, curve.end);
+    let mean = stairs(&frame, &curve.means, curve.width, curve.end);
+    let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(curve.end));
+    let inside = html! {
+        path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
+        path.line d=(format!("M{}", &mean[1..])) {}
+        @if let Some(capacity) = capacity {
+            line.capacity x1=(LEFT) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
+                title { "Capacity: " (capacity) }
+            }
+        }
+    };
+    frame.draw(label, warm_up, &inside)
+}
+
+/// A quantity over time: the mean of each bin.
+pub(super) fn rate(label: &str, values: &[f64], width: f64, seconds: f64, warm_up: f64) -> Markup {
+    let frame = Frame {
+        height: 170.0,
+        seconds,
+        max: values.iter().copied().fold(0.0, f64::max),
+    };
+    let line = stairs(&frame, values, width, seconds);
+    let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(seconds));
+    let inside = html! {
+        path.area d=(format!("M{left:.1} {bottom:.1}{line}L{right:.1} {bottom:.1}Z")) {}
+        path.line d=(format!("M{}", &line[1..])) {}
+    };
+    frame.draw(label, warm_up, &inside)
+}
+
+/// A line of stairs, as path data that begins with `L`. A stair is as wide as a bin.
+fn stairs(frame: &Frame, values: &[f64], width: f64, end: f64) -> String {
+    let mut data = String::new();
+    for (bin, value) in values.iter().enumerate() {
+        let (start, stop) = (bin as f64 * width, ((bin + 1) as f64 * width).min(end));
+        let (x, right, y) = (frame.x(start), frame.x(stop), frame.y(*value));
+        // Writing to a string cannot fail.
+        let _ = write!(data, "L{x:.1} {y:.1}H{right:.1}");
+    }
+    if data.is_empty() {
+        data.push_str("L0 0");
+    }
+    data
+}
+
+/// How often times fall into classes. `lines` are marked with their names.
+pub(super) fn histogram(label: &str, columns: &Columns, lines: &[(&str, f64)]) -> Markup {
+    let Columns { width, counts, .. } = columns;
+    let frame = Frame {
+        height: 190.0,
+        seconds: width * counts.len() as f64,
+        max: counts.iter().copied().max().unwrap_or(0) as f64,
+    };
+    let inside = html! {
+        @for (class, number_of) in counts.iter().enumerate() {
+            @let start = class as f64 * width;
+            @let (x, y) = (frame.x(start), frame.y(*number_of as f64));
+            rect.column x=(number(x)) y=(number(y)) width=(number((frame.x(start + width) - x - 1.0).max(0.5))) height=(number(frame.y(0.0) - y)) {
+                title { (figure(start)) " to " (figure(start + width)) " s: " (count(*number_of)) }
+            }
+        }
+        @for (index, (name, at)) in lines.iter().enumerate() {
+            @let x = frame.x(*at);
+            line.mark x1=(number(x)) x2=(number(x)) y1=(TOP) y2=(number(frame.y(0.0))) {}
+            @let is_right = x > WIDTH - 160.0;
+            text x=(number(if is_right { x - 4.0 } else { x + 4.0 })) y=(TOP + 10.0 + 14.0 * index as f64) text-anchor=(if is_right { "end" } else { "start" }) { (name) }
+        }
+    };
+    frame.draw(label, 0.0, &inside)
+}
+
+/// An interval, and the values that it was estimated from.
+pub(super) struct Range {
+    pub name: String,
+    pub low: f64,
+    pub mean: f64,
+    pub high: f64,
+    pub values: Vec<f64>,
+    /// Whether 0 is shown, because it matters on which side of it the interval lies.
+    pub with_zero: bool,
+}
+
+/// Intervals, one below the other, each on a scale of its own.
+pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
+    const ROW: f64 = 44.0;
+    const NAMES: f64 = 210.0;
+    let height = ranges.len() as f64 * ROW + 4.0;
+    html! {
+        svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
+            @for (row, range) in ranges.iter().enumerate() {
+                @let y = row as f64 * ROW + 16.0;
+                @let scale = Scale::of(range, NAMES + 40.0, WIDTH - 40.0);
+                text.name x=(NAMES) y=(y + 4.0) text-anchor="end" { (range.name) }
+                line.grid x1=(NAMES + 20.0) x2=(WIDTH - 20.0) y1=(y) y2=(y) {}
+                @if range.with_zero {
+                    line.capacity x1=(number(scale.x(0.0))) x2=(number(scale.x(0.0))) y1=(y - 12.0) y2=(y + 12.0) { title { "No difference" } }
+                }
+                @for value in &range.values {
+                    circle.run cx=(number(scale.x(*value))) cy=(y) r="3" {}
+                }
+                line.interval x1=(number(scale.x(range.low))) x2=(number(scale.x(range.high))) y1=(y) y2=(y) {}
+                circle.mean cx=(number(scale.x(range.mean))) cy=(y) r="5" { title { (figure(range.mean)) } }
+                text x=(number(scale.x(range.mean))) y=(y + 20.0) text-anchor="middle" {
+                    (figure(range.mean))
+                    @if range.high > range.low { " (" (figure(range.low)) " to " (figure(range.high)) ")" }
+                }
+            }
+        }
+    }
+}
+
+/// A scale on which all of a range is seen.
+struct Scale {
+    low: f64,
+    high: f64,
+    left: f64,
+    right: f64,
+}
+
+impl Scale {
+    fn of(range: &Range, left: f64, right: f64) -> Self {
+        let zero = range.with_zero.then_some(0.0);
+        let all = [range.low, range.high, range.mean].into_iter();
+        let all = || all.clone().chain(range.values.iter().copied()).chain(zero);
+        let low = all().fold(f64::INFINITY, f64::min);
+        let high = all().fold(f64::NEG_INFINITY, f64::max);
+        let widening = if high > low {
+            0.0
+        } else {
+            high.abs().max(1.0) * 0.1
+        };
+        Self {
+            low: low - widening,
+            high: high + widening,
+            left: left + 60.0,
+            right: right - 60.0,
+        }
+    }
+
+    fn x(&self, value: f64) -> f64 {
+        self.left + (self.right - self.left) * (value - self.low) / (self.high - self.low)
+    }
+}
+
+fn number(value: f64) -> PreEscaped<String> {
+    PreEscaped(format!("{value:.1}"))
+}

@@ -1,0 +1,198 @@
+//! What the script of a page needs, as JSON: names, and columns of numbers.
+//!
+//! The script reads the columns in the same way, so both change together.
+
+use super::picture::Picture;
+use super::recorder::{Move, Target};
+use super::{Page, packed, state_class};
+use linewright_language::contract::line::{Line, Node, NodeKind};
+use linewright_line::log::Activity;
+use packed::{Bytes, tick};
+use serde_json::{Value, json};
+
+/// States in the order of their numbers in the columns.
+const STATES: [Activity; 6] = [
+    Activity::Busy,
+    Activity::Starved,
+    Activity::Blocked,
+    Activity::Failed,
+    Activity::Idle,
+    Activity::Setup,
+];
+
+/// Number of a movement's end that is no place: finished, rejected, joined.
+const ENDS: u64 = 3;
+
+pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
+    let recorder = page.recorder;
+    let tick = tick(recorder.end);
+    let ticks = |seconds: f64| (seconds / tick).round().max(0.0) as u64;
+    let states: Vec<Value> = recorder
+        .states
+        .iter()
+        .map(|changes| {
+            if changes.is_empty() {
+                return Value::Null;
+            }
+            json!({ "count": changes.len(), "bytes": state_column(changes, ticks) })
+        })
+        .collect();
+    let violations: Vec<Value> = page.traces[0]
+        .violations
+        .iter()
+        .map(|violation| json!([violation.time, violation.node]))
+        .collect();
+    let document = json!({
+        "end": recorder.end,
+        "tick": tick,
+        "nodes": page.line.nodes.iter().map(node).collect::<Vec<_>>(),
+        "parts": page.line.parts.iter().map(|part| &part.name).collect::<Vec<_>>(),
+        "links": picture.links,
+        "stateNames": STATES.map(state_class),
+        "states": states,
+        "statesEnd": recorder.states_end,
+        "moves": {
+            "count": recorder.moves.len(),
+            "bytes": move_column(page.line, &recorder.moves, ticks),
+        },
+        "movesEnd": recorder.moves_end,
+        "violations": violations,
+    });
+    // Inside a script element, `</script>` and `<!--` would end it or change its meaning.
+    document.to_string().replace('<', "\\u003c")
+}
+
+/// A place: name, kind, and what its parts need.
+fn node(node: &Node) -> Value {
+    match &node.kind {
+        NodeKind::Source { .. } => json!({ "name": node.name, "kind": "source" }),
+        NodeKind::Sink { .. } => json!({ "name": node.name, "kind": "sink" }),
+        NodeKind::Store { .. } => json!({ "name": node.name, "kind": "store" }),
+        NodeKind::Station(_) => json!({ "name": node.name, "kind": "station" }),
+        NodeKind::Conveyor {
+            places,
+            pitch,
+            speed,
+            belt,
+            ..
+        } => json!({
+            "name": node.name,
+            "kind": "conveyor",
+            "places": places,
+            "pitchSeconds": pitch / speed,
+            "isStepped": belt.is_some(),
+        }),
+        NodeKind::Buffer { capacity, .. } => {
+            json!({ "name": node.name, "kind": "buffer", "capacity": capacity })
+        }
+    }
+}
+
+/// For each change: eight times the ticks since the last one, plus the number of the state.
+fn state_column(changes: &[(f64, Activity)], ticks: impl Fn(f64) -> u64) -> String {
+    let mut bytes = Bytes::default();
+    let mut last = 0;
+    for (time, state) in changes {
+        let now = ticks(*time);
+        let class = state_class(*state);
+        let number = STATES.iter().position(|state| state_class(*state) == class);
+        bytes.push((now - last) << 3 | number.unwrap_or(0) as u64);
+        last = now;
+    }
+    bytes.packed()
+}
+
+/// For each movement: the ticks since the last one; the number of the part; twice the number of the
+/// target, plus 1 if the part enters the line; then the number of its type.
+fn move_column(line: &Line, moves: &[Move], ticks: impl Fn(f64) -> u64) -> String {
+    let mut bytes = Bytes::default();
+    let mut last = 0;
+    for movement in moves {
+        let now = ticks(movement.time);
+        bytes.push(now - last);
+        last = now;
+        bytes.push(movement.part);
+        let target = match movement.to {
+            Target::Finished => 0,
+            Target::Rejected => 1,
+            Target::Joined => 2,
+            Target::Node(node) => ENDS + node as u64,
+            Target::Place(place) => ENDS + line.nodes.len() as u64 + u64::from(place),
+        };
+        bytes.push(target << 1 | u64::from(movement.enters.is_some()));
+        if let Some(kind) = movement.enters {
+            bytes.push(kind as u64);
+        }
+    }
+    bytes.packed()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use base64::Engine as _;
+    use std::io::Read as _;
+
+    /// The columns of a page, read as its script does.
+    pub struct Columns {
+        /// Time and part of each movement.
+        pub moves: Vec<(f64, u64)>,
+        /// By node: time and name of each state.
+        pub states: Vec<Option<Vec<(f64, String)>>>,
+    }
+
+    /// The numbers of a column, from the first on.
+    fn numbers(packed: &Value) -> impl FnMut() -> u64 {
+        let engine = base64::engine::general_purpose::STANDARD;
+        let compressed = engine.decode(packed["bytes"].as_str().unwrap()).unwrap();
+        let mut bytes = Vec::new();
+        let mut decoder = flate2::read::DeflateDecoder::new(&compressed[..]);
+        decoder.read_to_end(&mut bytes).unwrap();
+        let mut bytes = bytes.into_iter();
+        move || {
+            let mut number = 0;
+            for shift in (0..).step_by(7) {
+                let byte = bytes.next().unwrap();
+                number |= u64::from(byte & 0x7f) << shift;
+                if byte < 0x80 {
+                    break;
+                }
+            }
+            number
+        }
+    }
+
+    impl Columns {
+        pub fn read(document: &str) -> Self {
+            let document: Value = serde_json::from_str(document).unwrap();
+            let tick = document["tick"].as_f64().unwrap();
+            let mut next = numbers(&document["moves"]);
+            let mut ticks = 0;
+            let moves = (0..document["moves"]["count"].as_u64().unwrap()).map(|_| {
+                ticks += next();
+                let part = next();
+                if next() % 2 == 1 {
+                    next();
+                }
+                (ticks as f64 * tick, part)
+            });
+            let moves = moves.collect();
+            let states = document["states"].as_array().unwrap().iter().map(|column| {
+                let count = column.get("count")?.as_u64()?;
+                let mut next = numbers(column);
+                let mut ticks = 0;
+                let changes = (0..count).map(|_| {
+                    let number = next();
+                    ticks += number / 8;
+                    let name = &document["stateNames"][(number % 8) as usize];
+                    (ticks as f64 * tick, name.as_str().unwrap().to_owned())
+                });
+                Some(changes.collect())
+            });
+            Self {
+                moves,
+                states: states.collect(),
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Numbers and scales for people: thousands apart, as many digits as matter, round marks on axes.
+
+/// A number with groups of three digits: `12,345.6`. Whole numbers have no decimal places; others
+/// show three significant digits, and all digits before the point.
+pub(super) fn figure(value: f64) -> String {
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    let magnitude = if value == 0.0 {
+        0
+    } else {
+        value.abs().log10().floor() as i32
+    };
+    let places = if value.fract() == 0.0 {
+        0
+    } else {
+        (2 - magnitude).clamp(0, 6) as usize
+    };
+    let text = format!("{:.places$}", value.abs());
+    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+    let mut out = String::new();
+    if value < 0.0 && text.bytes().any(|digit| (b'1'..=b'9').contains(&digit)) {
+        out.push('-');
+    }
+    out += &grouped(whole);
+    let fraction = fraction.trim_end_matches('0');
+    if !fraction.is_empty() {
+        out.push('.');
+        out += fraction;
+    }
+    out
+}
+
+/// A count with groups of three digits.
+pub(super) fn count(value: u64) -> String {
+    grouped(&value.to_string())
+}
+
+fn grouped(digits: &str) -> String {
+    let mut out = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index) % 3 == 0 {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// A share from 0 to 1 as a percentage.
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+/// Round marks from 0 up to `max`, some `count` of them.
+pub(super) fn marks(max: f64, count: usize) -> Vec<f64> {
+    if !(max.is_finite() && max > 0.0) {
+        return vec![0.0];
+    }
+    let raw = max / count.max(1) as f64;
+    let power = 10_f64.powf(raw.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0]
+        .map(|factor| factor * power)
+        .into_iter()
+        .find(|step| *step >= raw * 0.999)
+        .unwrap_or(10.0 * power);
+    multiples(step, max)
+}
+
+/// Round marks of time from 0 up to `seconds`, some `count` of them, with their texts.
+pub(super) fn time_marks(seconds: f64, count: usize) -> Vec<(f64, String)> {
+    const STEPS: [f64; 22] = [
+        1.0,
+        2.0,
+        5.0,
+        10.0,
+        15.0,
+        30.0,
+        60.0,
+        120.0,
+        300.0,
+        600.0,
+        900.0,
+        1800.0,
+        3600.0,
+        7200.0,
+        10_800.0,
+        14_400.0,
+        21_600.0,
+        43_200.0,
+        86_400.0,
+        172_800.0,
+        604_800.0,
+        1_209_600.0,
+    ];
+    let raw = seconds / count.max(1) as f64;
+    if raw < 1.0 {
+        let marks = marks(seconds, count).into_iter();
+        return marks.map(|at| (at, format!("{} s", figure(at)))).collect();
+    }
+    let fitting = STEPS.into_iter().find(|step| *step >= raw * 0.999);
+    let step = fitting.unwrap_or_else(|| (raw / 604_800.0).ceil() * 604_800.0);
+    let (unit, word) = if step >= 86_400.0 {
+        (86_400.0, "d")
+    } else if step >= 3600.0 {
+        (3600.0, "h")
+    } else if step >= 60.0 {
+        (60.0, "min")
+    } else {
+        (1.0, "s")
+    };
+    multiples(step, seconds)
+        .into_iter()
+        .map(|at| (at, format!("{} {word}", figure(at / unit))))
+        .collect()
+}
+
+fn multiples(step: f64, max: f64) -> Vec<f64> {
+    let count = (max / step * 1.000_001).floor() as usize;
+    (0..=count).map(|index| index as f64 * step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_show_what_matters() {
+        for (value, wanted) in [
+            (0.0, "0"),
+            (12_345.678, "12,346"),
+            (1234.0, "1,234"),
+            (17.294_117, "17.3"),
+            (0.049_87, "0.0499"),
+            (-0.5, "-0.5"),
+            (-0.000_000_01, "0"),
+            (1e6, "1,000,000"),
+            (f64::NAN, "-"),
+        ] {
+            assert_eq!(figure(value), wanted);
+        }
+    }
+
+    #[test]
+    fn marks_are_round() {
+        assert_eq!(marks(93.0, 5), [0.0, 20.0, 40.0, 60.0, 80.0]);
+        assert_eq!(marks(0.0, 5), [0.0]);
+        let of_day: Vec<String> = time_marks(86_400.0, 6)
+            .into_iter()
+            .map(|(_, text)| text)
+            .collect();
+        assert_eq!(
+            of_day,
+            ["0 h", "4 h", "8 h", "12 h", "16 h", "20 h", "24 h"]
+        );
+        let short: Vec<String> = time_marks(2.0, 4)
+            .into_iter()
+            .map(|(_, text)| text)
+            .collect();
+        assert_eq!(short, ["0 s", "0.5 s", "1 s", "1.5 s", "2 s"]);
+    }
+}

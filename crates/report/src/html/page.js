@@ -1,0 +1,513 @@
+"use strict";
+// Plays the run in the picture of the line, and draws the timeline of the stations.
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const byId = (id) => document.getElementById(id);
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  const SVG = "http://www.w3.org/2000/svg";
+
+  // ---- Columns of numbers -----------------------------------------------------------------
+
+  // Decompresses a column and reads its numbers: seven bits in each byte, the lowest first.
+  async function numbers(packed) {
+    const bytes = Uint8Array.from(atob(packed), (c) => c.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+    const raw = new Uint8Array(await new Response(stream).arrayBuffer());
+    let at = 0;
+    return () => {
+      let value = 0;
+      for (let scale = 1; ; scale *= 128) {
+        const byte = raw[at++];
+        value += (byte & 127) * scale;
+        if (byte < 128) return value;
+      }
+    };
+  }
+
+  // By station: the times at which its state changes, and the states.
+  async function readStates(column) {
+    if (!column) return null;
+    const next = await numbers(column.bytes);
+    const times = new Float64Array(column.count);
+    const states = new Uint8Array(column.count);
+    let ticks = 0;
+    for (let i = 0; i < column.count; i++) {
+      const number = next();
+      ticks += Math.floor(number / 8);
+      times[i] = ticks * data.tick;
+      states[i] = number % 8;
+    }
+    return { times, states };
+  }
+
+  async function readMoves() {
+    const { count, bytes } = data.moves;
+    const next = await numbers(bytes);
+    const moves = { times: new Float64Array(count), parts: new Float64Array(count), targets: new Int32Array(count), kinds: new Int16Array(count) };
+    let ticks = 0;
+    for (let i = 0; i < count; i++) {
+      ticks += next();
+      moves.times[i] = ticks * data.tick;
+      moves.parts[i] = next();
+      const target = next();
+      moves.targets[i] = Math.floor(target / 2);
+      moves.kinds[i] = target % 2 ? next() : -1;
+    }
+    return moves;
+  }
+
+  // Index of the last entry that is not after the time; -1 if there is none.
+  function last(times, time) {
+    let low = 0, high = times.length;
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (times[middle] <= time) low = middle + 1; else high = middle;
+    }
+    return low - 1;
+  }
+
+  // ---- Numbers for people -------------------------------------------------------------------
+
+  const two = (n) => String(n).padStart(2, "0");
+  function clock(seconds) {
+    const digits = data.end < 600 ? 2 : 0;
+    const scale = 10 ** digits;
+    const all = Math.round(seconds * scale);
+    const whole = Math.floor(all / scale);
+    const fraction = digits ? "." + String(all % scale).padStart(digits, "0") : "";
+    return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}${fraction}`;
+  }
+  function span(seconds) {
+    const units = [[86400, "d"], [3600, "h"], [60, "min"], [1, "s"], [0.001, "ms"]];
+    const [size, unit] = units.find(([size]) => seconds >= size) ?? units[4];
+    return `${Number((seconds / size).toPrecision(3)).toLocaleString("en")} ${unit}`;
+  }
+  const words = { idle: "off shift", setup: "being set up", failed: "failed" };
+
+  // ---- The picture ---------------------------------------------------------------------------
+
+  const ENDS = 3;
+  const endNames = ["finished", "was rejected", "was joined to another part"];
+  const picture = byId("line");
+  const units = byId("units");
+  const groups = [...picture.querySelectorAll(".node")];
+  const boxes = groups.map((group) => {
+    const [x, y] = group.getAttribute("transform").match(/-?[\d.]+/g).map(Number);
+    const body = group.querySelector(".body");
+    return { x, y, width: +body.getAttribute("width"), height: +body.getAttribute("height") };
+  });
+  const paths = new Map();
+  for (const path of picture.querySelectorAll(".link")) {
+    const [from, to] = data.links[+path.dataset.link];
+    paths.set(from * data.nodes.length + to, path);
+  }
+
+  let moves, states;
+  let time = 0;
+  // Parts in the line: by number, where they are, since when, and from where they came.
+  let there = new Map();
+  // By place: number of parts that have left the line there.
+  let gone = [];
+  let applied = 0;
+  const snapshots = [];
+  const EVERY = 2000;
+
+  function reset() {
+    there = new Map();
+    gone = data.nodes.map(() => 0);
+    applied = 0;
+  }
+
+  function apply(index) {
+    const target = moves.targets[index], part = moves.parts[index], now = moves.times[index];
+    const known = there.get(part);
+    if (target < ENDS) {
+      if (known) gone[known.node] += target === 2 ? 0 : 1;
+      there.delete(part);
+    } else if (target < ENDS + data.nodes.length) {
+      const node = target - ENDS;
+      const kind = moves.kinds[index] >= 0 ? moves.kinds[index] : known ? known.kind : 0;
+      there.set(part, { node, kind, since: now, from: moves.kinds[index] >= 0 ? -1 : known ? known.node : -1, place: 0 });
+    } else if (known) {
+      there.set(part, { ...known, place: target - ENDS - data.nodes.length, from: -1 });
+    }
+  }
+
+  // Brings the parts to where they are at this time.
+  function seek(to) {
+    const index = last(moves.times, to) + 1;
+    if (index < applied) {
+      const snapshot = snapshots[Math.min(Math.floor(index / EVERY), snapshots.length - 1)];
+      there = new Map(snapshot.there);
+      gone = [...snapshot.gone];
+      applied = snapshot.applied;
+    }
+    while (applied < index) {
+      if (applied % EVERY === 0 && applied / EVERY === snapshots.length) {
+        snapshots.push({ there: new Map(there), gone: [...gone], applied });
+      }
+      apply(applied++);
+    }
+  }
+
+  const pool = [];
+  function draw() {
+    seek(time);
+    const here = data.nodes.map(() => []);
+    for (const [number, part] of there) here[part.node].push({ number, ...part });
+    const slide = calm.matches ? 0 : 0.25 * rate();
+    const shown = [];
+    here.forEach((parts, node) => {
+      const { kind, capacity, places, pitchSeconds, isStepped } = data.nodes[node];
+      const box = boxes[node];
+      const full = kind === "buffer" ? `${parts.length} of ${capacity}` : kind === "conveyor" ? `${parts.length} of ${places}`
+        : kind === "sink" ? `${gone[node].toLocaleString("en")}` : parts.length > 1 ? `${parts.length} parts` : "";
+      const text = groups[node].querySelector(".count");
+      if (text.textContent !== full) text.textContent = full;
+      // The oldest part is nearest to the end of its place.
+      let ahead = Infinity;
+      parts.forEach((part, index) => {
+        if (index >= 14 && kind !== "conveyor") return;
+        let x, y = box.y + box.height - 24;
+        if (kind === "conveyor") {
+          const steps = isStepped ? part.place : (time - part.since) / pitchSeconds;
+          const position = Math.max(0, Math.min(steps, places - 1, ahead - 1));
+          ahead = position;
+          x = box.x + box.width * (position + 0.5) / places;
+          y = box.y + box.height - 25;
+        } else {
+          const room = Math.min(11, (box.width - 16) / Math.max(Math.min(parts.length, 14), 1));
+          x = box.x + box.width / 2 + (Math.min(parts.length, 14) / 2 - index - 0.5) * room;
+        }
+        const path = part.from >= 0 && time - part.since < slide && paths.get(part.from * data.nodes.length + node);
+        if (path) {
+          const at = path.getPointAtLength(path.getTotalLength() * (time - part.since) / slide);
+          x = at.x; y = at.y;
+        }
+        shown.push([part.kind, x, y]);
+      });
+    });
+    while (pool.length < shown.length) {
+      const use = document.createElementNS(SVG, "use");
+      units.append(use);
+      pool.push(use);
+    }
+    pool.forEach((use, index) => {
+      const part = shown[index];
+      use.setAttribute("display", part ? "inline" : "none");
+      if (!part) return;
+      const href = `#part${part[0]}`;
+      if (use.getAttribute("href") !== href) use.setAttribute("href", href);
+      use.setAttribute("transform", `translate(${part[1].toFixed(1)} ${part[2].toFixed(1)})`);
+    });
+    states.forEach((column, node) => {
+      if (!column) return;
+      const index = last(column.times, time);
+      const name = index < 0 ? "idle" : data.stateNames[column.states[index]];
+      const wanted = `node station ${name}`;
+      if (groups[node].getAttribute("class") !== wanted) groups[node].setAttribute("class", wanted);
+    });
+    byId("clock").textContent = clock(time);
+    byId("time").value = 1000 * time / data.end;
+    byId("time").setAttribute("aria-valuetext", clock(time));
+    drawCursor();
+  }
+
+  // What a place does now, as a sentence.
+  function describe(node) {
+    const place = data.nodes[node];
+    const parts = [...there].filter(([, part]) => part.node === node);
+    const named = ([number, part]) => `${data.parts[part.kind]} ${number}`;
+    const column = states[node];
+    if (column) {
+      const index = last(column.times, time);
+      const name = index < 0 ? "idle" : data.stateNames[column.states[index]];
+      const since = index < 0 ? 0 : column.times[index];
+      const with_ = parts.length ? `, with ${parts.slice(0, 3).map(named).join(", ")}` : "";
+      return `${place.name} is ${words[name] ?? name} since ${clock(since)}${with_}.`;
+    }
+    if (place.kind === "sink") return `${place.name} has taken ${gone[node].toLocaleString("en")} parts.`;
+    const first = parts[0];
+    const oldest = first ? `; ${named(first)} is there since ${clock(first[1].since)}` : "";
+    return `${place.name} holds ${parts.length} ${parts.length === 1 ? "part" : "parts"}${oldest}.`;
+  }
+
+  let pointed = -1;
+  function point(node) {
+    pointed = node;
+    if (node >= 0) byId("status").textContent = describe(node);
+  }
+  groups.forEach((group, node) => {
+    group.addEventListener("pointerenter", () => point(node));
+    group.addEventListener("focus", () => point(node));
+  });
+
+  // ---- Playback ---------------------------------------------------------------------------------
+
+  // Simulated seconds in a second.
+  const rate = () => +byId("speed").value;
+  const shownEnd = () => data.movesEnd ?? data.end;
+  let playing = false, frame = 0;
+
+  function setTime(to) {
+    time = Math.max(0, Math.min(to, shownEnd()));
+    draw();
+    if (pointed >= 0 && !playing) point(pointed);
+  }
+  function play(on) {
+    playing = on && (time < shownEnd() || (setTime(0), true));
+    byId("play").textContent = playing ? "Pause" : "Play";
+    byId("play").setAttribute("aria-pressed", String(playing));
+    if (!playing) { if (pointed >= 0) point(pointed); return; }
+    let before = performance.now();
+    let stepped = before;
+    const step = (now) => {
+      if (!playing) return;
+      const elapsed = Math.min(now - before, 200) / 1000;
+      before = now;
+      time = Math.min(time + elapsed * rate(), shownEnd());
+      // With reduced motion, the picture changes once a second.
+      if (!calm.matches || now - stepped > 1000 || time >= shownEnd()) { stepped = now; draw(); }
+      if (time >= shownEnd()) { play(false); return; }
+      frame = requestAnimationFrame(step);
+    };
+    cancelAnimationFrame(frame);
+    frame = requestAnimationFrame(step);
+  }
+  function stepEvent(forward) {
+    play(false);
+    const index = last(moves.times, time);
+    if (forward) { if (index + 1 < moves.times.length) setTime(moves.times[index + 1]); return; }
+    let earlier = index;
+    while (earlier >= 0 && moves.times[earlier] >= time) earlier--;
+    setTime(earlier >= 0 ? moves.times[earlier] : 0);
+  }
+  function nextViolation() {
+    play(false);
+    const next = data.violations.find(([at]) => at > time) ?? data.violations[0];
+    setTime(next[0]);
+    point(next[1]);
+  }
+
+  function setUpControls() {
+    const natural = data.end / 120;
+    const speeds = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 120, 300, 600, 1800, 3600, 7200].filter((s) => s <= Math.max(natural * 20, 1));
+    const best = speeds.reduce((a, b) => (Math.abs(Math.log(b / (natural / 4))) < Math.abs(Math.log(a / (natural / 4))) ? b : a));
+    for (const speed of speeds) {
+      const option = new Option(`${speed.toLocaleString("en")} × real time`, speed, false, speed === best);
+      byId("speed").append(option);
+    }
+    byId("play").addEventListener("click", () => play(!playing));
+    byId("back").addEventListener("click", () => stepEvent(false));
+    byId("forward").addEventListener("click", () => stepEvent(true));
+    byId("violation")?.addEventListener("click", nextViolation);
+    byId("time").addEventListener("input", (event) => { play(false); setTime(+event.target.value / 1000 * data.end); });
+    for (const button of document.querySelectorAll(".jump")) {
+      button.addEventListener("click", () => {
+        play(false);
+        setTime(+button.dataset.time);
+        byId("line-section").scrollIntoView();
+      });
+    }
+    if (data.violations.length) {
+      const path = document.createElementNS(SVG, "path");
+      path.setAttribute("d", data.violations.map(([at]) => `M${(1000 * at / data.end).toFixed(2)} 0V10`).join(""));
+      byId("marks").append(path);
+    }
+    if (data.movesEnd !== null) {
+      byId("cut").textContent = `The picture shows the first ${data.moves.count.toLocaleString("en")} movements, up to ${clock(data.movesEnd)}. All figures are of the whole run.`;
+    }
+  }
+
+  // ---- The timeline -------------------------------------------------------------------------------
+
+  const canvas = byId("gantt");
+  const ROW = 26, AXIS = 24;
+  let from = 0, to = 0, rows = [], left = 0;
+  let colours = {};
+
+  function readColours() {
+    const style = getComputedStyle(document.documentElement);
+    const value = (name) => style.getPropertyValue(`--${name}`).trim();
+    colours = { ink: value("ink"), soft: value("soft"), rule: value("rule"), ground: value("ground"), accent: value("accent") };
+    colours.states = data.stateNames.map(value);
+    colours.hatches = data.stateNames.map((name) => hatch(name, value("hatch")));
+  }
+  // A pattern for wide pieces, by which states can be told apart without colours.
+  function hatch(name, ink) {
+    const lines = { blocked: [[0, 8, 8, 0]], failed: [[0, 0, 8, 8], [0, 8, 8, 0]], setup: [[2, 0, 2, 8], [6, 0, 6, 8]], starved: [[0, 4, 8, 4]] }[name];
+    if (!lines) return null;
+    const tile = document.createElement("canvas");
+    tile.width = tile.height = 8;
+    const pen = tile.getContext("2d");
+    pen.strokeStyle = ink;
+    pen.lineWidth = name === "starved" ? 0.7 : 1.2;
+    for (const [a, b, c, d] of lines) { pen.beginPath(); pen.moveTo(a, b); pen.lineTo(c, d); pen.stroke(); }
+    return pen.createPattern(tile, "repeat");
+  }
+
+  function marksOf(start, end, room) {
+    const raw = (end - start) / Math.max(room / 110, 1);
+    const steps = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400, 21600, 43200, 86400, 172800, 604800];
+    let step = steps.find((s) => s >= raw);
+    if (raw < 1) { const power = 10 ** Math.floor(Math.log10(raw)); step = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= raw); }
+    step ??= Math.ceil(raw / 604800) * 604800;
+    const marks = [];
+    for (let at = Math.ceil(start / step) * step; at <= end; at += step) marks.push(at);
+    return { marks, step };
+  }
+
+  function drawTimeline() {
+    if (!canvas) return;
+    const width = canvas.clientWidth, height = rows.length * ROW + AXIS, ratio = devicePixelRatio || 1;
+    canvas.style.height = `${height}px`;
+    if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+    }
+    const pen = canvas.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.fillStyle = colours.ground;
+    pen.fillRect(0, 0, width, height);
+    pen.font = "13px system-ui, sans-serif";
+    pen.textBaseline = "middle";
+    left = Math.min(200, Math.max(...rows.map((node) => pen.measureText(data.nodes[node].name).width)) + 16);
+    const scale = (width - left) / (to - from);
+    const x = (at) => left + (at - from) * scale;
+    rows.forEach((node, row) => {
+      const y = row * ROW + 3, tall = ROW - 6;
+      pen.fillStyle = colours.ink;
+      pen.textAlign = "right";
+      pen.fillText(data.nodes[node].name, left - 8, y + tall / 2, left - 12);
+      drawRow(pen, states[node], x, y, tall, width, scale);
+    });
+    pen.strokeStyle = colours.rule;
+    pen.fillStyle = colours.soft;
+    pen.textAlign = "center";
+    const { marks } = marksOf(from, to, width - left);
+    for (const at of marks) {
+      pen.beginPath(); pen.moveTo(x(at), rows.length * ROW); pen.lineTo(x(at), rows.length * ROW + 5); pen.stroke();
+      if (x(at) > left + 20 && x(at) < width - 30) pen.fillText(clock(at), x(at), rows.length * ROW + 15);
+    }
+    byId("window").textContent = `${clock(from)} to ${clock(to)}`;
+    drawCursor();
+  }
+
+  // Draws the states of a station. Pieces narrower than a pixel are gathered: a pixel shows the state
+  // that takes most of it.
+  function drawRow(pen, column, x, y, tall, width, scale) {
+    const { times, states } = column;
+    const end = Math.min(data.statesEnd ?? data.end, to);
+    let index = Math.max(0, last(times, from));
+    const shares = new Float64Array(8);
+    let pixel = -1, used = 0;
+    const flush = () => {
+      if (pixel < 0 || used === 0) return;
+      let most = 0;
+      for (let s = 1; s < 8; s++) if (shares[s] > shares[most]) most = s;
+      pen.fillStyle = colours.states[most];
+      pen.fillRect(pixel, y, 1, tall);
+      shares.fill(0);
+      used = 0;
+    };
+    for (; index < times.length && times[index] < end; index++) {
+      const start = Math.max(times[index], from);
+      const stop = Math.min(index + 1 < times.length ? times[index + 1] : end, end);
+      if (stop <= start) continue;
+      const a = x(start), b = x(stop), state = states[index];
+      if (b - a >= 1.5) {
+        flush();
+        pixel = -1;
+        pen.fillStyle = colours.states[state];
+        pen.fillRect(a, y, b - a, tall);
+        if (b - a >= 6 && colours.hatches[state]) { pen.fillStyle = colours.hatches[state]; pen.fillRect(a, y, b - a, tall); }
+      } else {
+        const at = Math.floor(a);
+        if (at !== pixel) { flush(); pixel = at; }
+        shares[state] += stop - start;
+        used += stop - start;
+      }
+    }
+    flush();
+  }
+
+  function drawCursor() {
+    if (!canvas) return;
+    const style = byId("cursor").style;
+    const isSeen = rows.length > 0 && time >= from && time <= to;
+    style.display = isSeen ? "block" : "none";
+    if (!isSeen) return;
+    style.left = `${left + (time - from) / (to - from) * (canvas.clientWidth - left)}px`;
+    style.height = `${rows.length * ROW}px`;
+  }
+
+  function look(start, end) {
+    const least = data.end * 1e-6, wide = Math.max(Math.min(end - start, data.end), least);
+    from = Math.max(0, Math.min(start, data.end - wide));
+    to = from + wide;
+    drawTimeline();
+  }
+  function zoom(factor, around = (from + to) / 2) {
+    look(around - (around - from) * factor, around + (to - around) * factor);
+  }
+  const timeAt = (event) => from + (event.offsetX - left) / (canvas.clientWidth - left) * (to - from);
+
+  function setUpTimeline() {
+    if (!canvas) return;
+    rows = data.nodes.map((_, node) => node).filter((node) => states[node]);
+    to = data.end;
+    canvas.addEventListener("wheel", (event) => { event.preventDefault(); zoom(event.deltaY > 0 ? 1.25 : 0.8, timeAt(event)); }, { passive: false });
+    let drag = null;
+    canvas.addEventListener("pointerdown", (event) => { drag = { x: event.offsetX, from, to, moved: false }; canvas.setPointerCapture(event.pointerId); });
+    canvas.addEventListener("pointermove", (event) => {
+      if (!drag) { canvas.title = hint(event); return; }
+      const shift = (drag.x - event.offsetX) / (canvas.clientWidth - left) * (drag.to - drag.from);
+      drag.moved ||= Math.abs(event.offsetX - drag.x) > 3;
+      if (drag.moved) look(drag.from + shift, drag.to + shift);
+    });
+    canvas.addEventListener("pointerup", (event) => {
+      if (drag && !drag.moved && event.offsetX > left) { play(false); setTime(timeAt(event)); }
+      drag = null;
+    });
+    canvas.addEventListener("keydown", (event) => {
+      const width = to - from;
+      const act = { "+": () => zoom(0.5), "=": () => zoom(0.5), "-": () => zoom(2), 0: () => look(0, data.end),
+        ArrowLeft: () => look(from - width / 5, to - width / 5), ArrowRight: () => look(from + width / 5, to + width / 5) }[event.key];
+      if (act) { event.preventDefault(); act(); }
+    });
+    byId("zoom-in").addEventListener("click", () => zoom(0.5));
+    byId("zoom-out").addEventListener("click", () => zoom(2));
+    byId("zoom-all").addEventListener("click", () => look(0, data.end));
+    addEventListener("resize", drawTimeline);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readColours(); drawTimeline(); });
+    drawTimeline();
+  }
+  function hint(event) {
+    const node = rows[Math.floor(event.offsetY / ROW)];
+    const at = timeAt(event);
+    if (node === undefined || at < 0) return "";
+    const { times, states: of } = states[node];
+    const index = last(times, at);
+    if (index < 0) return "";
+    const end = index + 1 < times.length ? times[index + 1] : data.end;
+    const name = data.stateNames[of[index]];
+    return `${data.nodes[node].name}: ${words[name] ?? name} from ${clock(times[index])} for ${span(end - times[index])}`;
+  }
+
+  // ---- Start ------------------------------------------------------------------------------------
+
+  async function begin() {
+    [moves, states] = await Promise.all([readMoves(), Promise.all(data.states.map(readStates))]);
+    snapshots.push({ there: new Map(), gone: data.nodes.map(() => 0), applied: 0 });
+    reset();
+    readColours();
+    setUpControls();
+    setUpTimeline();
+    setTime(0);
+    document.documentElement.dataset.ready = "true";
+  }
+  begin().catch((error) => {
+    byId("status").textContent = "This browser cannot play the run: it needs DecompressionStream, which all major browsers have since 2023. The tables and charts are complete.";
+    console.error(error);
+  });
+})();

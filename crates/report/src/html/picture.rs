@@ -1,0 +1,155 @@
+//! The picture of a line: its places in layers along the routes.
+
+use super::fold::{fold, rounded};
+use super::state_class;
+use linewright_core::drawing::layers::{Direction, Link, Placement, Size, Spacing, place};
+use linewright_language::contract::line::{Line, NodeKind};
+use linewright_line::log::Activity;
+use maud::{Markup, html};
+use std::collections::BTreeMap;
+
+const SPACING: Spacing = Spacing {
+    boxes: 26.0,
+    links: 16.0,
+    layers: 44.0,
+};
+
+/// Distance around the picture, in SVG units.
+const MARGIN: f64 = 24.0;
+
+/// The picture of a line.
+pub(super) struct Picture {
+    placement: Placement,
+    sizes: Vec<Size>,
+    /// Pairs of nodes between which parts go, in the order of the placed links.
+    pub links: Vec<(usize, usize)>,
+}
+
+impl Picture {
+    /// Lays out a line from left to right, in several rows if it is long.
+    pub fn new(line: &Line) -> Self {
+        let sizes: Vec<Size> = line.nodes.iter().map(|n| size(&n.name, &n.kind)).collect();
+        let mut links: Vec<(usize, usize)> = Vec::new();
+        for route in &line.routes {
+            if !links.contains(&(route.from, route.to)) {
+                links.push((route.from, route.to));
+            }
+        }
+        let to_place: Vec<Link> = links
+            .iter()
+            .map(|&(from, to)| Link {
+                from,
+                to,
+                label: Size::default(),
+            })
+            .collect();
+        let placement = place(&sizes, &to_place, Direction::Right, SPACING);
+        let placement = fold(placement, &sizes, &links);
+        Self {
+            placement,
+            sizes,
+            links,
+        }
+    }
+
+    /// Draws the picture. `counts` has the number of parts that went from node to node.
+    pub fn draw(&self, line: &Line, counts: &BTreeMap<(usize, usize), u64>) -> Markup {
+        let Size { width, height } = self.placement.size;
+        let (width, height) = (width + 2.0 * MARGIN, height + 2.0 * MARGIN);
+        let view = format!("{0:.0} {0:.0} {width:.0} {height:.0}", -MARGIN);
+        html! {
+            svg #line viewBox=(view) style=(format!("max-width:{:.0}px;min-width:{:.0}px", width * 1.25, width.min(1000.0) * 0.75)) role="group" aria-label="Picture of the line" {
+                defs {
+                    marker #arrow markerWidth="9" markerHeight="7" refX="8" refY="3.5" orient="auto" {
+                        path d="M0 0L9 3.5L0 7z" {}
+                    }
+                }
+                @for (index, link) in self.placement.links.iter().enumerate() {
+                    @let (from, to) = self.links[index];
+                    @let count = counts.get(&(from, to)).copied().unwrap_or(0);
+                    path.link data-link=(index) d=(rounded(&link.points)) marker-end="url(#arrow)" {
+                        title { (line.nodes[from].name) " to " (line.nodes[to].name) ": " (count) " parts" }
+                    }
+                }
+                @for (index, node) in line.nodes.iter().enumerate() {
+                    (self.node(index, &node.name, &node.kind))
+                }
+                g #units {}
+            }
+        }
+    }
+
+    fn node(&self, index: usize, name: &str, kind: &NodeKind) -> Markup {
+        let (at, size) = (self.placement.boxes[index], self.sizes[index]);
+        let (x, y) = (at.x - size.width / 2.0, at.y - size.height / 2.0);
+        let rounding = match kind {
+            NodeKind::Source { .. } | NodeKind::Sink { .. } | NodeKind::Store { .. } => 14.0,
+            NodeKind::Station(_) => 5.0,
+            _ => 0.0,
+        };
+        let class = match kind {
+            NodeKind::Station(_) => format!("node station {}", state_class(Activity::Idle)),
+            _ => "node".to_owned(),
+        };
+        html! {
+            g class=(class) data-node=(index) tabindex="0" role="img" aria-label=(format!("{} {name}", word(kind)))
+                transform=(format!("translate({x:.1} {y:.1})")) {
+                rect.body width=(number(size.width)) height=(number(size.height)) rx=(rounding) {}
+                @if let NodeKind::Conveyor { places, .. } = kind {
+                    @for place in 1..(*places).min(60) {
+                        @let at = size.width * f64::from(place) / f64::from((*places).min(60));
+                        line.place x1=(number(at)) x2=(number(at)) y1=(number(size.height - 32.0)) y2=(number(size.height - 18.0)) {}
+                    }
+                }
+                text x=(number(size.width / 2.0)) y="15" { (name) }
+                text.note x=(number(size.width / 2.0)) y="28" { (note(kind)) }
+                text.count x=(number(size.width / 2.0)) y=(number(size.height - 5.0)) {}
+            }
+        }
+    }
+}
+
+fn number(value: f64) -> String {
+    format!("{value:.1}")
+}
+
+/// Size of a place in the picture. There is room for its name, a note, and its parts.
+fn size(name: &str, kind: &NodeKind) -> Size {
+    let text = name.chars().count() as f64 * 7.2 + 16.0;
+    let text = text.max(note(kind).chars().count() as f64 * 5.4 + 14.0);
+    let least = match kind {
+        NodeKind::Conveyor { places, .. } => (f64::from(*places) * 9.0).clamp(90.0, 220.0),
+        NodeKind::Buffer { .. } => 84.0,
+        _ => 72.0,
+    };
+    Size {
+        width: text.max(least).ceil(),
+        height: 62.0,
+    }
+}
+
+/// The kind of a place, in a word.
+pub(super) fn word(kind: &NodeKind) -> &'static str {
+    match kind {
+        NodeKind::Source { .. } => "source",
+        NodeKind::Sink { reject: true, .. } => "sink for rejects",
+        NodeKind::Sink { .. } => "sink",
+        NodeKind::Store { .. } => "store",
+        NodeKind::Station(_) => "station",
+        NodeKind::Conveyor { .. } => "conveyor",
+        NodeKind::Buffer { .. } => "buffer",
+    }
+}
+
+/// What stands below the name of a place.
+fn note(kind: &NodeKind) -> String {
+    match kind {
+        NodeKind::Station(station) => match &station.machine {
+            Some(machine) => machine.name.clone(),
+            None => "station".to_owned(),
+        },
+        NodeKind::Conveyor { places, .. } => format!("conveyor, {places} places"),
+        NodeKind::Buffer { capacity, .. } => format!("buffer, {capacity} places"),
+        _ => word(kind).to_owned(),
+    }
+}

@@ -1,0 +1,245 @@
+//! Gathers what a page shows of a run over time, while the run goes on.
+
+use super::series::{Curve, Histogram, Steps, Sums};
+use linewright_language::contract::line::{Line, NodeKind};
+use linewright_line::log::{Activity, EventKind, LogEntry, Moment, Observer, Other};
+use linewright_line::trace::End;
+use std::collections::{BTreeMap, HashMap};
+
+/// Maximum number of movements that the animation shows. Later ones are left out.
+const MAX_MOVES: usize = 250_000;
+
+/// Maximum number of changes of state that the chart of the stations shows, over all stations.
+/// Later ones are left out.
+const MAX_CHANGES: usize = 600_000;
+
+/// What happens to a part in the animation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Move {
+    /// In seconds.
+    pub time: f64,
+    /// Number of the part.
+    pub part: u64,
+    /// Type of the part, if it enters the line here.
+    pub enters: Option<usize>,
+    pub to: Target,
+}
+
+/// Where a part goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    Node(usize),
+    /// It is seen at this place of the belt on which it is.
+    Place(u32),
+    Finished,
+    Rejected,
+    /// It becomes a component of another part.
+    Joined,
+}
+
+/// Records one run for a page. Needs memory for the parts in the line, for curves of a few hundred
+/// points, and for the movements and changes of state that a page shows, whose number is bounded.
+#[derive(Debug)]
+pub struct Recorder {
+    /// By node: its changes of state.
+    pub(super) states: Vec<Vec<(f64, Activity)>>,
+    changes: usize,
+    /// Time from which on changes of state were left out, in seconds.
+    pub(super) states_end: Option<f64>,
+    pub(super) moves: Vec<Move>,
+    /// Time from which on movements were left out, in seconds.
+    pub(super) moves_end: Option<f64>,
+    units: Steps,
+    /// By node: the number of parts, if it is a buffer.
+    buffers: Vec<Option<Steps>>,
+    /// Whether the parts of a type are end products.
+    is_product: Vec<bool>,
+    pub(super) lead_times: Histogram,
+    /// For each part in the line, when it or the oldest component in it entered.
+    entered: HashMap<u64, f64>,
+    /// For each part that is being joined, when the oldest component so far entered.
+    joined: HashMap<u64, f64>,
+    /// Number of parts that went from one node to another.
+    pub(super) flow: BTreeMap<(usize, usize), u64>,
+    /// By node: joules by state; those of conveyors count as busy.
+    pub(super) joules: Vec<[f64; 7]>,
+    power: Sums,
+    /// By node: time of its last entry with joules, and its state.
+    last: Vec<(f64, Activity)>,
+    /// Time from which on the figures count, and end of the run, in seconds.
+    pub(super) counting: f64,
+    pub(super) end: f64,
+}
+
+impl Recorder {
+    /// Creates a recorder for one run of a line.
+    pub fn new(line: &Line) -> Self {
+        let nodes = line.nodes.len();
+        let is_buffer = |kind: &NodeKind| matches!(kind, NodeKind::Buffer { .. });
+        let buffers = line.nodes.iter();
+        let buffers = buffers.map(|node| is_buffer(&node.kind).then(Steps::new));
+        let types = 0..line.parts.len();
+        Self {
+            states: vec![Vec::new(); nodes],
+            changes: 0,
+            states_end: None,
+            moves: Vec::new(),
+            moves_end: None,
+            units: Steps::new(),
+            buffers: buffers.collect(),
+            is_product: types.map(|part| line.products.contains(&part)).collect(),
+            lead_times: Histogram::new(),
+            entered: HashMap::new(),
+            joined: HashMap::new(),
+            flow: BTreeMap::new(),
+            joules: vec![[0.0; 7]; nodes],
+            power: Sums::new(),
+            last: vec![(0.0, Activity::Busy); nodes],
+            counting: 0.0,
+            end: 0.0,
+        }
+    }
+
+    /// Number of parts in the line over time.
+    pub(super) fn units(&self) -> Curve {
+        self.units.clone().until(self.end)
+    }
+
+    /// Number of parts in a buffer over time; `None` if the node is no buffer.
+    pub(super) fn buffer(&self, node: usize) -> Option<Curve> {
+        let steps = self.buffers.get(node)?.clone()?;
+        Some(steps.until(self.end))
+    }
+
+    /// Mean power in each bin of time in watts, and the width of a bin in seconds.
+    pub(super) fn power(&self) -> (Vec<f64>, f64) {
+        let width = self.power.width();
+        let sums = self.power.clone().until(self.end);
+        let bins = sums.iter().enumerate();
+        let watts = bins.map(|(bin, joules)| {
+            let seconds = (self.end - bin as f64 * width).min(width);
+            if seconds > 0.0 { joules / seconds } else { 0.0 }
+        });
+        (watts.collect(), width)
+    }
+
+    fn change_state(&mut self, time: f64, node: usize, state: Activity) {
+        self.last[node].1 = state;
+        let known = self.states[node].last();
+        if known.is_some_and(|(_, last)| *last == state) {
+            return;
+        }
+        if self.changes < MAX_CHANGES {
+            self.changes += 1;
+            // A state that lasted no time is not seen.
+            match self.states[node].last_mut() {
+                Some(last) if last.0 >= time => last.1 = state,
+                _ => self.states[node].push((time, state)),
+            }
+        } else {
+            self.states_end.get_or_insert(time);
+        }
+    }
+
+    fn moved(&mut self, time: f64, part: u64, enters: Option<usize>, to: Target) {
+        if self.moves_end.is_none() && self.moves.len() >= MAX_MOVES {
+            self.moves_end = Some(time);
+        }
+        if self.moves_end.is_none() {
+            self.moves.push(Move {
+                time,
+                part,
+                enters,
+                to,
+            });
+        }
+    }
+
+    fn uses(&mut self, time: f64, node: usize, joules: f64) {
+        let (since, state) = &mut self.last[node];
+        self.joules[node][*state as usize] += joules;
+        self.power.spread(*since, time, joules);
+        *since = time;
+    }
+
+    fn changes_buffer(&mut self, time: f64, node: usize, change: i64) {
+        if let Some(steps) = self.buffers.get_mut(node).and_then(Option::as_mut) {
+            steps.add(time, change);
+        }
+    }
+
+    fn leaves_line(&mut self, time: f64, part: u64, to: Target) {
+        self.units.add(time, -1);
+        self.moved(time, part, None, to);
+    }
+
+    fn record_part(&mut self, entry: &LogEntry, part: u64, kind: usize) {
+        let LogEntry { time, node, .. } = *entry;
+        match entry.what {
+            EventKind::Entered => {
+                let since = self.joined.remove(&part).unwrap_or(time);
+                self.entered.insert(part, since);
+                self.units.add(time, 1);
+                self.moved(time, part, Some(kind), Target::Node(node));
+            }
+            EventKind::Arrived => self.changes_buffer(time, node, 1),
+            EventKind::Left => {
+                self.changes_buffer(time, node, -1);
+                if let Some(Other::Node(to)) = entry.other {
+                    *self.flow.entry((node, to)).or_default() += 1;
+                    self.moved(time, part, None, Target::Node(to));
+                }
+            }
+            EventKind::Place(place) => self.moved(time, part, None, Target::Place(place)),
+            EventKind::Consumed => {
+                let since = self.entered.remove(&part).unwrap_or(time);
+                if let Some(Other::Part(whole)) = entry.other {
+                    let oldest = self.joined.entry(whole).or_insert(since);
+                    *oldest = oldest.min(since);
+                }
+                self.leaves_line(time, part, Target::Joined);
+            }
+            EventKind::Finished => {
+                let since = self.entered.remove(&part).unwrap_or(time);
+                if self.is_product[kind] {
+                    self.lead_times.add(time - since);
+                }
+                self.leaves_line(time, part, Target::Finished);
+            }
+            EventKind::Rejected => {
+                self.entered.remove(&part);
+                self.changes_buffer(time, node, -1);
+                self.leaves_line(time, part, Target::Rejected);
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Observer for Recorder {
+    fn record(&mut self, entry: &LogEntry) {
+        // Energy is used in the state that ends with this entry.
+        if let Some(joules) = entry.joules {
+            self.uses(entry.time, entry.node, joules);
+        }
+        if let EventKind::State(state) = entry.what {
+            self.change_state(entry.time, entry.node, state);
+        }
+        if let Some((part, kind)) = entry.part {
+            self.record_part(entry, part, kind);
+        }
+    }
+
+    fn begin_counting(&mut self, moment: Moment) {
+        self.counting = moment.time;
+        self.lead_times = Histogram::new();
+        self.flow.clear();
+        for joules in &mut self.joules {
+            *joules = [0.0; 7];
+        }
+    }
+
+    fn end(&mut self, moment: Moment, _end: End) {
+        self.end = moment.time;
+    }
+}

@@ -1,0 +1,240 @@
+//! The figures that a page shows are those of the run.
+
+use super::data::tests::Columns;
+use super::*;
+use linewright_language::contract::load;
+use linewright_line::log::{EventKind, Log, Observer, Observers};
+use linewright_line::{Options, Plant};
+use std::sync::Arc;
+
+const BOTTLING: &str = include_str!("../../../../examples/bottling/line.lw");
+
+const CONVEYORS: &str = "line Conveyors {
+    part A
+    part B from 2 A
+    source feed: A every exponential(4 s)
+    conveyor belt places 6 pitch 0.5 m speed 0.25 m/s power 200 W
+    station join { takes uniform(3 s, 9 s) power 1 kW idle power 50 W
+        failures mtbf 2 min mttr 30 s scrap }
+    buffer rack capacity 3 shelf life 20 s
+    station test { takes exponential(8 s) }
+    sink out
+    route A: feed -> belt -> join
+    route B: join -> rack -> test -> out
+    shift 0 h to 1 h break 0.5 h to 0.6 h
+}";
+
+/// A run with its recorder and its log.
+struct Recorded {
+    line: Arc<Line>,
+    sources: SourceMap,
+    trace: Trace,
+    recorder: Recorder,
+    log: Log,
+}
+
+fn recorded(text: &str, options: Options) -> Recorded {
+    let files = [("line.lw".to_owned(), text.to_owned())];
+    let (mut library, findings) = load(&files, &|_, _| Err("there is no other file".to_owned()));
+    assert!(findings.is_empty(), "{findings:?}");
+    let line = Arc::new(library.lines.remove(0));
+    let mut plant = Plant::new(Arc::clone(&line), BTreeMap::new(), options).unwrap();
+    let (mut recorder, mut log) = (Recorder::new(&line), Log::default());
+    let seed = plant.seed();
+    let mut observers = Observers(vec![&mut recorder as &mut dyn Observer, &mut log]);
+    let trace = plant.run_observed(seed, Some(&mut observers));
+    Recorded {
+        line,
+        sources: library.sources,
+        trace,
+        recorder,
+        log,
+    }
+}
+
+fn runs() -> Vec<Recorded> {
+    let hours = |until: f64, warm_up: f64| Options {
+        until: Some(until * 3600.0),
+        warm_up: warm_up * 3600.0,
+        ..Options::default()
+    };
+    vec![
+        recorded(BOTTLING, hours(24.0, 0.0)),
+        recorded(BOTTLING, hours(12.0, 7.0)),
+        recorded(CONVEYORS, hours(1.5, 0.0)),
+        recorded(CONVEYORS, hours(0.9, 0.2)),
+    ]
+}
+
+fn written(run: &Recorded) -> String {
+    page(&Page {
+        line: &run.line,
+        traces: std::slice::from_ref(&run.trace),
+        intervals: None,
+        recorder: &run.recorder,
+        comparison: None,
+        sources: &run.sources,
+        set: &BTreeMap::new(),
+        command: "linewright run line.lw",
+        version: "0",
+        findings: &run.trace.findings,
+    })
+}
+
+fn assert_near(a: f64, b: f64, what: &str) {
+    assert!(
+        (a - b).abs() <= 1e-6 * b.abs().max(1.0),
+        "{what}: {a} and {b}"
+    );
+}
+
+/// Mean of a curve over the time from `start` to its end. `start` may lie within a bin, of which
+/// only the mean is known, so this is not exact unless `start` is 0.
+fn mean(curve: &series::Curve, start: f64) -> f64 {
+    let area: f64 = curve
+        .means
+        .iter()
+        .enumerate()
+        .map(|(bin, mean)| {
+            let from = (bin as f64 * curve.width).max(start);
+            let to = ((bin + 1) as f64 * curve.width).min(curve.end);
+            mean * (to - from).max(0.0)
+        })
+        .sum();
+    area / (curve.end - start)
+}
+
+#[test]
+fn the_figures_are_those_of_the_run() {
+    for run in runs() {
+        let (trace, recorder) = (&run.trace, &run.recorder);
+        assert_eq!(recorder.end, trace.seconds);
+        assert_eq!(recorder.counting, trace.warm_up);
+        let columns = recorder.lead_times.columns();
+        let counted = columns.counts.iter().sum::<u64>() + columns.beyond;
+        assert_eq!(counted, trace.products);
+        let joules: f64 = recorder.joules.iter().flatten().sum();
+        assert_near(joules, trace.joules, "joules");
+        for station in &trace.stations {
+            let left = recorder
+                .flow
+                .iter()
+                .filter(|((from, _), _)| *from == station.node);
+            let left: u64 = left.map(|(_, count)| count).sum();
+            assert!(left.abs_diff(station.processed) <= 1, "{}", station.name);
+        }
+        if trace.warm_up <= 0.0 {
+            assert_near(mean(&recorder.units(), 0.0), trace.wip.mean, "WIP");
+            for buffer in &trace.buffers {
+                let curve = recorder.buffer(buffer.node).unwrap();
+                assert_near(mean(&curve, 0.0), buffer.length, &buffer.name);
+                assert_eq!(curve.maxima.iter().max(), Some(&(buffer.longest as i64)));
+            }
+            let (watts, width) = recorder.power();
+            let all: f64 = watts
+                .iter()
+                .enumerate()
+                .map(|(bin, watts)| watts * (recorder.end - bin as f64 * width).min(width))
+                .sum();
+            assert_near(all, trace.joules, "power over time");
+        }
+    }
+}
+
+#[test]
+fn the_columns_for_the_script_are_those_of_the_log() {
+    for run in runs() {
+        let picture = Picture::new(&run.line);
+        let written = Page {
+            line: &run.line,
+            traces: std::slice::from_ref(&run.trace),
+            intervals: None,
+            recorder: &run.recorder,
+            comparison: None,
+            sources: &run.sources,
+            set: &BTreeMap::new(),
+            command: "",
+            version: "0",
+            findings: &[],
+        };
+        let columns = Columns::read(&data::json(&written, &picture));
+        let tick = packed::tick(run.recorder.end);
+        let mut moves = columns.moves.iter();
+        for entry in &run.log.entries {
+            let is_move = matches!(
+                entry.what,
+                EventKind::Entered
+                    | EventKind::Left
+                    | EventKind::Consumed
+                    | EventKind::Finished
+                    | EventKind::Rejected
+                    | EventKind::Place(_)
+            );
+            if is_move {
+                let (time, part) = moves.next().unwrap();
+                assert!((time - entry.time).abs() <= tick);
+                assert_eq!(Some(*part), entry.part.map(|(number, _)| number));
+            }
+        }
+        assert!(moves.next().is_none());
+        // The time in each state, up to the rounding of each change.
+        for station in &run.trace.stations {
+            let states = columns.states[station.node].as_ref().unwrap();
+            let seconds = |name: &str| {
+                let ends = states.iter().skip(1).map(|(time, _)| *time);
+                let ends = ends.chain([run.recorder.end]);
+                let of = states
+                    .iter()
+                    .zip(ends)
+                    .filter(|((_, state), _)| state == name);
+                let counted = of.map(|((start, _), end)| end - start.max(run.recorder.counting));
+                counted.map(|seconds| seconds.max(0.0)).sum::<f64>()
+            };
+            let all = run.trace.seconds - run.trace.warm_up;
+            for (name, share) in [
+                ("busy", station.shares.busy),
+                ("setup", station.shares.setup),
+                ("blocked", station.shares.blocked),
+                ("failed", station.shares.failed),
+            ] {
+                let allowed = tick * states.len() as f64 + 1e-6;
+                let difference = (seconds(name) - share * all).abs();
+                assert!(
+                    difference <= allowed,
+                    "{} {name}: {difference}",
+                    station.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_page_asks_no_network_and_is_small() {
+    for run in runs() {
+        let text = written(&run);
+        assert_eq!(text, written(&run));
+        assert!(text.len() < 2_000_000, "{} bytes", text.len());
+        for word in ["src=", "@import", "url(http", "fetch(", "XMLHttpRequest"] {
+            assert!(!text.contains(word), "{word}");
+        }
+        let hosts =
+            text.matches("http").count() - text.matches("http://www.w3.org/2000/svg").count();
+        assert_eq!(hosts, 0);
+    }
+}
+
+#[test]
+fn text_of_the_model_cannot_end_the_script() {
+    let text = "/// </script><b> & \"quotes\"\nline X {\n part P\n source s: P every 1 s\n sink out\n route P: s -> out\n}";
+    let run = recorded(
+        text,
+        Options {
+            until: Some(10.0),
+            ..Options::default()
+        },
+    );
+    let text = written(&run);
+    assert_eq!(text.matches("</script>").count(), 2);
+    assert!(text.contains("&lt;/script&gt;&lt;b&gt; &amp; "));
+}
