@@ -2,6 +2,7 @@
 
 mod algebra;
 mod book;
+mod browser;
 mod cli;
 mod hostile;
 mod imports;

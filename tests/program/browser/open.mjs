@@ -1,0 +1,115 @@
+// Opens pages in a headless Chromium, as a reader does, and prints what is wrong with them, one line each; nothing if all is well.
+//
+// node open.mjs MODULES PAGE...
+//
+// MODULES is a folder in which `npm install puppeteer-core @sparticuz/chromium axe-core` was run.
+import { createRequire } from "node:module";
+import { readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const [modules, ...pages] = process.argv.slice(2);
+const require = createRequire(`${modules}/package.json`);
+const load = async (name) => (await import(pathToFileURL(require.resolve(name)))).default;
+const puppeteer = await load("puppeteer-core");
+const chromium = await load("@sparticuz/chromium");
+const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+
+const browser = await puppeteer.launch({
+  executablePath: await chromium.executablePath(),
+  args: [...chromium.args, "--no-sandbox"],
+  headless: "shell",
+});
+for (const file of pages) {
+  const problem = (what) => console.log(`${file}: ${what}`);
+  for (const scheme of ["light", "dark"]) {
+    const page = await browser.newPage();
+    await page.setViewport({ width: 1200, height: 900 });
+    await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }]);
+    page.on("console", (message) => problem(`console ${message.type()}: ${message.text()}`));
+    page.on("pageerror", (error) => problem(`error: ${error.message}`));
+    page.on("request", (request) => {
+      if (!/^(file|data|blob):/.test(request.url())) problem(`request: ${request.url()}`);
+    });
+    await page.goto(pathToFileURL(file).href, { waitUntil: "load" });
+    try {
+      await page.waitForSelector("html[data-ready]", { timeout: 20000 });
+    } catch {
+      problem("the script does not get ready");
+      continue;
+    }
+    if (scheme === "light") await use(page, problem);
+    await page.evaluate(() => document.querySelectorAll("details").forEach((d) => (d.open = true)));
+    await page.evaluate(axe);
+    const found = await page.evaluate(() => globalThis.axe.run());
+    for (const violation of found.violations) {
+      problem(`axe, ${scheme}: ${violation.id}: ${violation.nodes.map((node) => node.target.join(" ")).slice(0, 3).join(", ")}`);
+    }
+    await page.close();
+  }
+}
+await browser.close();
+
+// Plays, steps, seeks, zooms and jumps, by keyboard and mouse.
+async function use(page, problem) {
+  const text = (id) => page.$eval(`#${id}`, (element) => element.textContent);
+  const expect = (holds, what) => { if (!holds) problem(what); };
+  const parts = () => page.$$eval("#units use", (uses) => uses.map((use) => use.getAttribute("transform") + use.getAttribute("display")).join(" "));
+
+  const press = (id) => page.$eval(`#${id}`, (button) => { for (let i = 0; i < 40; i++) button.click(); });
+  await page.focus("#play");
+  const [before, placed] = [await text("clock"), await parts()];
+  await page.keyboard.press("Space");
+  await new Promise((done) => setTimeout(done, 700));
+  expect((await text("play")) === "Pause", "the space bar does not start playback");
+  expect((await text("clock")) !== before, "time does not pass during playback");
+  expect((await parts()) !== placed, "parts do not move during playback");
+  await page.keyboard.press("Space");
+  expect((await text("play")) === "Play", "the space bar does not stop playback");
+
+  const stopped = await text("clock");
+  await press("forward");
+  expect((await text("clock")) !== stopped, "stepping forward does not change the time");
+  const later = await text("clock");
+  await press("back");
+  expect((await text("clock")) !== later, "stepping back does not change the time");
+
+  await page.focus("#time");
+  await page.keyboard.press("End");
+  const end = await text("clock");
+  await page.keyboard.press("Home");
+  expect((await text("clock")) !== end, "Home and End do not move through the time");
+  await page.keyboard.press("End");
+  await page.keyboard.press("Home");
+
+  await page.$eval("#line .node", (node) => node.focus());
+  const first = await text("status");
+  await page.keyboard.press("Tab");
+  expect(/ (is|holds|has taken) /.test(first) && (await text("status")) !== first, "the focus on a place does not say what it does");
+
+  if (await page.$("#gantt")) {
+    const all = await text("window");
+    await page.focus("#gantt");
+    await page.keyboard.press("+");
+    expect((await text("window")) !== all, "+ does not zoom");
+    await page.keyboard.press("ArrowRight");
+    await page.keyboard.press("0");
+    expect((await text("window")) === all, "0 does not show all");
+    const drawn = await page.$eval("#gantt", (canvas) => {
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      const colours = new Set();
+      for (let i = 0; i < data.length; i += 400) colours.add(`${data[i]},${data[i + 1]},${data[i + 2]}`);
+      return colours.size;
+    });
+    expect(drawn > 2, "the timeline is empty");
+  }
+  if (await page.$(".jump")) {
+    await page.click("#violation");
+    const marked = await page.$eval("#marks path", (path) => path.getAttribute("d").length);
+    expect(marked > 0, "violations are not marked");
+    await page.click(".jump");
+    const at = await page.$eval(".jump", (button) => +button.dataset.time);
+    const value = await page.$eval("#time", (input) => +input.value);
+    const last = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).end);
+    expect(Math.abs((value / 1000) * last - at) < 1e-3 * last, "a violation's button does not set the time");
+  }
+}
