@@ -3,6 +3,7 @@
 
 mod page;
 mod progress;
+mod trace_files;
 mod what_if;
 
 use super::build::default_folder;
@@ -18,8 +19,10 @@ use crate::engine::files::LoadedFiles;
 use crate::engine::simulation::{self, Run, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
+use crate::event_log::Epoch;
 use crate::line::batches::{MAX_BATCHES, MIN_BATCHES};
 use crate::line::comparison::compare;
+use crate::line::log::Observers;
 use crate::line::{Count, Observer, Options};
 use crate::report::html::Recorder;
 use crate::report::{self, Intervals};
@@ -27,6 +30,7 @@ use clap::Args;
 use progress::RunProgress;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use trace_files::{TraceFile, TraceFiles};
 use what_if::{Changes, DEFAULT_PAIRS};
 
 /// The arguments of `run`.
@@ -38,6 +42,7 @@ use what_if::{Changes, DEFAULT_PAIRS};
     linewright run examples/ice-lab/line.lw --parts 50 --set printer.time='40 s'
     linewright run examples/ice-lab/line.lw --parts 50 --what-if printer=10%
     linewright run examples/bottling/line.lw --until 1d --report bottling.html
+    linewright run examples/ice-lab/line.lw --until 8h --trace run.parquet --trace run.perfetto.json
 
 TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).")]
 pub struct Arguments {
@@ -103,6 +108,20 @@ each if --parts does. A finding says if they are too short"
     /// tables, and the model itself. With replications, pictures and charts show the first run
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// Write every event of the run to a file, while it runs; repeatable. With replications, this
+    /// is the first run
+    #[arg(
+        long,
+        value_name = "FILE",
+        long_help = "Write every event of the run to a file, while it runs; repeatable. With replications or --what-if, this is the first run of the line. The \
+extension gives the format: .csv; .parquet; .jsonl (JSON lines); .perfetto.json or .trace.json (for ui.perfetto.dev); .ocel.json or .jsonocel (OCEL 2.0, \
+for process mining by objects); .xes (IEEE 1849, for process mining by cases). An existing file is replaced when the run has ended"
+    )]
+    pub trace: Vec<TraceFile>,
+    /// Date and time (UTC) at which the run starts, for formats with dates [default: midnight of
+    /// the line's first day, or 2026-01-05T00:00:00]
+    #[arg(long, value_name = "DATE", requires = "trace")]
+    pub epoch: Option<Epoch>,
     /// Folder of the station libraries [default: .linewright next to the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -164,8 +183,7 @@ struct Simulated {
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let simulation = simulation_options(arguments, options)?;
-    let is_recorded = arguments.report.is_some();
-    let base = match simulate(arguments, &arguments.set, &simulation, is_recorded, options)? {
+    let base = match simulate(arguments, &arguments.set, &simulation, true, options)? {
         Ok(simulated) => simulated,
         Err(code) => return Ok(code),
     };
@@ -285,7 +303,6 @@ fn simulation_options(
                 Some(WarmUp::Auto) | None => 0.0,
             },
             deadline: options.settings().limits.deadline,
-            ..Options::default()
         },
         find_warm_up: arguments.warm_up == Some(WarmUp::Auto),
         replications: count,
@@ -302,7 +319,7 @@ fn simulate(
     arguments: &Arguments,
     set: &[Setting],
     simulation: &SimulationOptions,
-    is_recorded: bool,
+    is_observed: bool,
     options: &GlobalOptions,
 ) -> anyhow::Result<Result<Simulated, ExitCode>> {
     let console = options.console();
@@ -338,6 +355,15 @@ fn simulate(
         return Ok(Err(ExitCode::CannotRun));
     }
 
+    let traces: &[TraceFile] = if is_observed { &arguments.trace } else { &[] };
+    let files = match TraceFiles::new(traces, &loaded.places) {
+        Ok(files) => files,
+        Err(findings) => {
+            console.failed("run", sources, &findings)?;
+            return Ok(Err(options.exit_code(&findings)));
+        }
+    };
+
     let of_line = machines::of_line(line).into_iter().map(|m| &**m);
     let synthesis = Synthesis::new(of_line, &settings, |count| {
         console.progress(count, "synthesizing")
@@ -371,15 +397,24 @@ fn simulate(
         monitor: progress.monitor(),
         ..simulation.clone()
     };
+    let is_recorded = is_observed && arguments.report.is_some();
     let mut recorder = is_recorded.then(|| Recorder::new(line));
-    let observer = recorder
-        .as_mut()
-        .map(|recorder| recorder as &mut dyn Observer);
+    let mut logs = files.logs(line, simulation.options.seed, arguments.epoch);
+    let mut observers = Observers::default();
+    if !traces.is_empty() {
+        observers.0.push(&mut logs);
+    }
+    if let Some(recorder) = &mut recorder {
+        observers.0.push(recorder);
+    }
+    let observer = (!observers.0.is_empty()).then_some(&mut observers as &mut dyn Observer);
     let run = simulation::simulate(line, &controlled, folder, &simulation, observer);
+    let written = logs.finish();
     progress.clear();
     match run {
         Ok(run) => {
             findings.extend(run.findings());
+            findings.extend(files.keep(written));
             let line = Line::clone(line);
             drop(controlled);
             drop(synthesis);

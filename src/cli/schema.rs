@@ -9,7 +9,7 @@ use super::{algebra, build, check, console, din, doctor, explain, fmt, order, pr
 use crate::diagnostics::{json, nearest};
 use crate::station::profile::{self, ProfileEntry};
 use crate::station::{emit, toolchain};
-use crate::{mealy, play, report};
+use crate::{event_log, mealy, play, report};
 use clap::Args;
 use schemars::generate::SchemaSettings;
 use schemars::transform::{RecursiveTransform, Transform as _};
@@ -224,7 +224,7 @@ pub fn find(name: &str) -> Option<Described> {
 }
 
 /// Documents that are not defined next to a command.
-const OWN: [Described; 11] = [
+const OWN: [Described; 12] = [
     Described::new(
         "completions",
         "Why `completions` has no result",
@@ -244,6 +244,11 @@ const OWN: [Described; 11] = [
         "library",
         "The file next to a station library: its machine and checksum",
         &[toolchain::manifest_schema],
+    ),
+    Described::new(
+        "log",
+        "The first line of the JSON lines that `run --trace` writes",
+        &[|generator| by_hand(event_log::LOG_SCHEMA, generator)],
     ),
     Described::new(
         "machine",

@@ -4,6 +4,7 @@ mod attack;
 mod calls;
 mod choices;
 mod distributions;
+mod logs;
 mod models;
 #[path = "../algebra/discharge/mutants.rs"]
 mod mutants;

@@ -55,6 +55,7 @@ impl Builder {
                 requirements: Vec::new(),
                 limit: None,
                 calendar: None,
+                first_day: None,
                 span: span(),
             },
             controllers: BTreeMap::new(),

@@ -7,7 +7,7 @@ mod batches;
 mod belts;
 mod blocked;
 mod calendars;
-mod conservation;
+pub mod conservation;
 mod conveyors;
 mod ends;
 mod equipment;

@@ -34,7 +34,7 @@
 //! and reorders. Stores, warm-ups, stations with machines and conveyors with contracts are left to
 //! other tests.
 
-mod lines;
+pub mod lines;
 
 use crate::models::{Logged, RunLogged};
 use crate::support::{python_with, root};

@@ -10,11 +10,16 @@ use std::time::Duration;
 /// test is skipped.
 fn modules() -> Option<PathBuf> {
     let Some(folder) = std::env::var_os("LINEWRIGHT_BROWSER").map(PathBuf::from) else {
-        skip("browser", "LINEWRIGHT_BROWSER names no folder of Node packages");
+        skip(
+            "browser",
+            "LINEWRIGHT_BROWSER names no folder of Node packages",
+        );
         return None;
     };
     let packages = ["puppeteer-core", "@sparticuz/chromium", "axe-core"];
-    let missing = packages.iter().find(|name| !folder.join("node_modules").join(name).is_dir());
+    let missing = packages
+        .iter()
+        .find(|name| !folder.join("node_modules").join(name).is_dir());
     if let Some(name) = missing {
         let folder = folder.display();
         skip("browser", &format!("{folder} has no package {name}"));
@@ -54,14 +59,26 @@ fn reports_can_be_read_and_used_in_a_browser() {
         report(
             folder,
             "replications",
-            &[bottling, "--until", "10h", "--warm-up", "7h", "--replications", "5"],
+            &[
+                bottling,
+                "--until",
+                "10h",
+                "--warm-up",
+                "7h",
+                "--replications",
+                "5",
+            ],
         ),
         report(
             folder,
             "comparison",
             &[laboratory, "--parts", "20", "--what-if", "printer=10%"],
         ),
-        report(folder, "batches", &[bottling, "--until", "2d", "--batches", "10"]),
+        report(
+            folder,
+            "batches",
+            &[bottling, "--until", "2d", "--batches", "10"],
+        ),
     ];
     let opened = programs::run(
         Command::new("node")

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The crates below the command line with the crates that each uses.
-const CRATES: [(&str, &[&str]); 11] = [
+const CRATES: [(&str, &[&str]); 12] = [
     ("core", &[]),
     ("automata", &["core"]),
     ("syntax", &["core"]),
@@ -20,6 +20,7 @@ const CRATES: [(&str, &[&str]); 11] = [
         &["algebra", "core", "language", "solver", "station"],
     ),
     ("report", &["language", "line"]),
+    ("log", &["language", "line"]),
     (
         "engine",
         &[

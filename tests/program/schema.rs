@@ -178,6 +178,7 @@ fn every_document_is_as_its_schema_says_and_with_another_field_it_is_not() {
     let elsewhere = [
         "linewright/completions/1",
         "linewright/functions/1",
+        "linewright/log/1",
         "linewright/order/1",
         "linewright/station/1",
         "linewright/uf-profile/1",

@@ -5,9 +5,10 @@ use super::files;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_station::disk;
 use std::collections::BTreeSet;
-use std::fs::Permissions;
+use std::fs::{File, Permissions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// Writes a file and creates its folder if necessary. If the path is a symbolic link, the link is
 /// kept and its target is overwritten.
@@ -17,6 +18,55 @@ use std::path::{Path, PathBuf};
 /// `sources` of the command's result ([`LoadedFiles::places`](files::LoadedFiles::places)).
 /// Existing content is then unchanged.
 pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(), Box<Diagnostic>> {
+    let target = target(path, sources)?;
+    let written = replace(&target, text.as_bytes(), None);
+    written.map_err(|e| Box::new(unwritable(path, &e, OTHER_PATH)))
+}
+
+/// A file that is written bit by bit, and takes its name when it is complete.
+#[derive(Debug)]
+pub struct PendingFile {
+    file: NamedTempFile,
+    path: PathBuf,
+    target: PathBuf,
+}
+
+impl PendingFile {
+    /// Begins a file. Its folder is created if necessary; links are kept.
+    ///
+    /// # Errors
+    /// As for [`write`].
+    pub fn new(path: &Path, sources: &BTreeSet<PathBuf>) -> Result<Self, Box<Diagnostic>> {
+        let target = target(path, sources)?;
+        let file = temporary(&target).map_err(|e| Box::new(unwritable(path, &e, OTHER_PATH)))?;
+        Ok(Self {
+            file,
+            path: path.to_owned(),
+            target,
+        })
+    }
+
+    /// The file, to be written.
+    pub fn file(&self) -> &File {
+        self.file.as_file()
+    }
+
+    /// Gives the complete file its name, unless it could not be written.
+    ///
+    /// # Errors
+    /// The file could not be written, or cannot take its name. What had this name is unchanged.
+    pub fn keep(self, written: io::Result<()>) -> Result<(), Box<Diagnostic>> {
+        let Self { file, path, target } = self;
+        let kept = written.and_then(|()| file.persist(&target).map_err(|e| e.error));
+        kept.map_err(|e| Box::new(unwritable(&path, &e, OTHER_PATH)))?;
+        Ok(())
+    }
+}
+
+const OTHER_PATH: &str = "name another path, or make this one writable";
+
+/// The file that a result replaces: behind a link, its target.
+fn target(path: &Path, sources: &BTreeSet<PathBuf>) -> Result<PathBuf, Box<Diagnostic>> {
     if std::fs::canonicalize(path).is_ok_and(|place| sources.contains(&place)) {
         let message = format!(
             "{} is not overwritten: it is a source of this result",
@@ -27,18 +77,12 @@ pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(),
             Diagnostic::error(codes::OUTPUT_UNWRITABLE, None, message).with_help(help),
         ));
     }
-    let written = if path.exists() {
-        files::is_regular(path)
-            .map_err(io::Error::other)
-            .and_then(|()| std::fs::canonicalize(path))
-            .and_then(|target| replace(&target, text.as_bytes(), None))
-    } else {
-        replace(path, text.as_bytes(), None)
-    };
-    written.map_err(|e| {
-        let help = "name another path, or make this one writable";
-        Box::new(unwritable(path, &e, help))
-    })
+    if !path.exists() {
+        return Ok(path.to_owned());
+    }
+    let target = files::is_regular(path).map_err(io::Error::other);
+    let target = target.and_then(|()| std::fs::canonicalize(path));
+    target.map_err(|e| Box::new(unwritable(path, &e, OTHER_PATH)))
 }
 
 /// Writes a file that does not exist yet.
@@ -90,6 +134,17 @@ fn unwritable(path: &Path, error: &io::Error, help: &str) -> Diagnostic {
 }
 
 fn replace(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Result<()> {
+    let mut file = temporary(path)?;
+    file.write_all(bytes)?;
+    if let Some(permissions) = permissions {
+        file.as_file().set_permissions(permissions)?;
+    }
+    file.persist(path)?;
+    Ok(())
+}
+
+/// A temporary file in the folder of `path`, which is created if necessary.
+fn temporary(path: &Path) -> io::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -100,13 +155,7 @@ fn replace(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::R
     // file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.prefix(".linewright-").tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    if let Some(permissions) = permissions {
-        file.as_file().set_permissions(permissions)?;
-    }
-    file.persist(path)?;
-    Ok(())
+    builder.prefix(".linewright-").tempfile_in(folder)
 }
 
 #[cfg(test)]

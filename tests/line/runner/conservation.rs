@@ -13,7 +13,7 @@ use proptest::prelude::*;
 /// Two ways of parts, from a source and a store, to a joining station, a camera that sends some
 /// back, and a store; with random nodes between them. With an `ample` supply the line can always
 /// continue: products have a way out, and rejected parts are replaced.
-fn line(seed: u64, ample: bool) -> Builder {
+pub fn line(seed: u64, ample: bool) -> Builder {
     let mut stream = Stream::from_seed(seed);
     let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
     builder

@@ -35,6 +35,8 @@ pub struct Line {
     pub limit: Option<Limit>,
     /// When the stations work that have no calendar of their own; `None` for work around the clock.
     pub calendar: Option<WorkCalendar>,
+    /// The first day of a run, in days since 1970-01-01; `None` if the line does not give it.
+    pub first_day: Option<i64>,
     /// Source position of the name.
     pub span: Span,
 }

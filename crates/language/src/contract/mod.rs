@@ -3,6 +3,7 @@
 //! [`load`] turns files into a [`Library`]; later stages never use a syntax tree.
 
 pub mod calendar;
+pub mod date;
 pub mod distribution;
 mod elaborate;
 mod formula;

@@ -672,8 +672,8 @@ impl Run<'_> {
     }
 
     /// Charges a rejected part to the station whose defect changed it last; without a defect, to
-    /// the station that worked on it last. A part that no station has worked on is not scrap. Returns
-    /// the station.
+    /// the station that worked on it last. Returns the station. A part that no station has worked
+    /// on is not scrap.
     fn charge_scrap(&mut self, part: PartIndex) -> Option<usize> {
         let part = &self.parts[part];
         let station = part.defect_at.or(part.worked_at)? as usize;

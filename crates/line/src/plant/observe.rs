@@ -8,19 +8,19 @@ use crate::log::{Activity, EventKind, LogEntry, Moment, Observer, Other};
 use crate::trace::End;
 use linewright_language::contract::line::NodeKind;
 
-/// The observer of a run, and what it has been told.
+/// The observer of a run, and what it knows.
 #[derive(Default)]
 pub(super) struct Recorder<'a> {
     pub observer: Option<&'a mut dyn Observer>,
     /// The node that a part left last.
     left: usize,
     /// By node.
-    told: Vec<Told>,
+    known: Vec<Known>,
 }
 
-/// What the observer has been told about a node.
+/// What the observer knows about a node.
 #[derive(Debug, Clone, Copy, Default)]
-struct Told {
+struct Known {
     /// State of a station.
     state: Option<Activity>,
     /// Energy since counting began.
@@ -55,7 +55,7 @@ impl Run<'_> {
     pub(super) fn record_state(&mut self, node: usize) {
         if self.is_observed() {
             let state = self.station(node).clock.activity();
-            if self.recorder.told[node].state != Some(state) {
+            if self.recorder.known[node].state != Some(state) {
                 self.tell_state(node, state);
             }
         }
@@ -86,8 +86,8 @@ impl Run<'_> {
             EventKind::Aborted => entry.seconds = Some(self.station(node).work_done()),
             EventKind::Failed => {
                 let lost = self.station(node).lost_seconds;
-                let told = &mut self.recorder.told[node];
-                entry.seconds = Some(lost - std::mem::replace(&mut told.seconds, lost));
+                let known = &mut self.recorder.known[node];
+                entry.seconds = Some(lost - std::mem::replace(&mut known.seconds, lost));
             }
             _ => {}
         }
@@ -118,9 +118,9 @@ impl Run<'_> {
         let idle_watts = self.idle_watts(node);
         let now = self.now;
         let joules = self.station(node).joules(now, idle_watts);
-        let told = &mut self.recorder.told[node];
-        told.state = Some(state);
-        let used = joules - std::mem::replace(&mut told.joules, joules);
+        let known = &mut self.recorder.known[node];
+        known.state = Some(state);
+        let used = joules - std::mem::replace(&mut known.joules, joules);
         let mut entry = self.entry(node, EventKind::State(state));
         entry.joules = Some(used);
         self.tell(&entry);
@@ -129,9 +129,9 @@ impl Run<'_> {
     /// Adds to an entry the time for which a conveyor has moved, and its energy.
     fn tell_movement(&mut self, entry: &mut LogEntry) {
         if let Some((seconds, joules)) = self.movement(entry.node) {
-            let told = &mut self.recorder.told[entry.node];
-            entry.seconds = Some(seconds - std::mem::replace(&mut told.seconds, seconds));
-            entry.joules = Some(joules - std::mem::replace(&mut told.joules, joules));
+            let known = &mut self.recorder.known[entry.node];
+            entry.seconds = Some(seconds - std::mem::replace(&mut known.seconds, seconds));
+            entry.joules = Some(joules - std::mem::replace(&mut known.joules, joules));
         }
     }
 
@@ -170,7 +170,7 @@ impl Run<'_> {
     /// Tells the states of all stations at the start of a run.
     pub(super) fn open_log(&mut self) {
         if self.is_observed() {
-            self.recorder.told = vec![Told::default(); self.nodes.len()];
+            self.recorder.known = vec![Known::default(); self.nodes.len()];
             for node in self.stations() {
                 self.record_state(node);
             }
@@ -183,7 +183,7 @@ impl Run<'_> {
             return;
         }
         for node in 0..self.nodes.len() {
-            if let Some(state) = self.recorder.told[node].state {
+            if let Some(state) = self.recorder.known[node].state {
                 self.tell_state(node, state);
             } else if self.movement(node).is_some() {
                 let mut entry = self.entry(node, EventKind::Moved);
@@ -198,8 +198,8 @@ impl Run<'_> {
         let moment = self.log_moment();
         if let Some(observer) = &mut self.recorder.observer {
             observer.begin_counting(moment);
-            for told in &mut self.recorder.told {
-                (told.joules, told.seconds) = (0.0, 0.0);
+            for known in &mut self.recorder.known {
+                (known.joules, known.seconds) = (0.0, 0.0);
             }
         }
     }
@@ -237,7 +237,7 @@ impl Run<'_> {
         changes.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut since = vec![self.now; self.nodes.len()];
         for (time, node, state) in changes {
-            if self.recorder.told[node].state == Some(state) {
+            if self.recorder.known[node].state == Some(state) {
                 continue;
             }
             if time <= self.now {
@@ -246,9 +246,9 @@ impl Run<'_> {
             }
             let joules = self.idle_watts(node) * (time - since[node]);
             since[node] = time;
-            let told = &mut self.recorder.told[node];
-            told.state = Some(state);
-            told.joules += joules;
+            let known = &mut self.recorder.known[node];
+            known.state = Some(state);
+            known.joules += joules;
             let mut entry = self.entry(node, EventKind::State(state));
             entry.time = time;
             entry.joules = Some(joules);

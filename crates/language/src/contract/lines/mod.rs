@@ -113,9 +113,10 @@ impl<'a> Builder<'a, '_> {
             requirements: Vec::new(),
             limit: None,
             calendar: None,
+            first_day: None,
             span: decl.name.span,
         };
-        self.declare_days(decl);
+        model.first_day = self.declare_days(decl);
         model.calendar = self.line_calendar(decl);
         for item in &decl.items {
             if let Some((name, kind)) = self.node(item) {
