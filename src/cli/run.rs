@@ -229,15 +229,6 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let several = (!is_single).then_some(Intervals::Replications(&run.replications));
     let several = several.or(run.batches.as_ref().map(Intervals::Batches));
     let seconds = (!options.no_timing).then_some(run.seconds);
-    if let Some(path) = &arguments.report {
-        match page::write(path, arguments, &base, several, compared.as_ref()) {
-            Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
-            Err(finding) => {
-                console.findings(sources, &[*finding])?;
-                code = code.and(ExitCode::CannotRun);
-            }
-        }
-    }
     match options.format {
         Format::Json => {
             let mut document = report::json(line, trace, several, seconds);
@@ -270,6 +261,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             {
                 console.remark("with --what-if:\n")?;
                 console.findings(&simulated.loaded.library.sources, &simulated.findings)?;
+            }
+        }
+    }
+    if let Some(path) = &arguments.report {
+        match page::write(path, arguments, &base, several, compared.as_ref()) {
+            Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
+            Err(finding) => {
+                console.findings(sources, &[*finding])?;
+                code = code.and(ExitCode::CannotRun);
             }
         }
     }
