@@ -19,3 +19,4 @@ mod replications;
 mod session;
 mod settings;
 mod tables;
+mod traces;
