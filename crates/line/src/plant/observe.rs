@@ -54,10 +54,16 @@ impl Run<'_> {
     #[inline]
     pub(super) fn record_state(&mut self, node: usize) {
         if self.is_observed() {
-            let state = self.station(node).clock.activity();
-            if self.recorder.known[node].state != Some(state) {
-                self.tell_state(node, state);
-            }
+            self.log_state(node);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn log_state(&mut self, node: usize) {
+        let state = self.station(node).clock.activity();
+        if self.recorder.known[node].state != Some(state) {
+            self.tell_state(node, state);
         }
     }
 
@@ -68,6 +74,7 @@ impl Run<'_> {
     }
 
     #[cold]
+    #[inline(never)]
     fn log(&mut self, node: usize, part: Option<PartIndex>, what: EventKind, other: Option<Other>) {
         let mut entry = self.entry(node, what);
         entry.part = part.map(|part| (self.parts[part].number, self.parts[part].kind));
