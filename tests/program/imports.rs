@@ -19,7 +19,7 @@ const CRATES: [(&str, &[&str]); 12] = [
         "line",
         &["algebra", "core", "language", "solver", "station"],
     ),
-    ("report", &["language", "line"]),
+    ("report", &["core", "language", "line"]),
     ("log", &["language", "line"]),
     (
         "engine",

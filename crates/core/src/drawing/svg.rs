@@ -135,7 +135,7 @@ fn draw_arrow(body: &mut String, link: &PlacedLink) {
 
 /// A smooth curve along a polyline, as the data of an SVG path: it touches the middle of each inner
 /// piece.
-pub fn curve(points: &[Point]) -> String {
+fn curve(points: &[Point]) -> String {
     let mut data = String::new();
     let Some((first, rest)) = points.split_first() else {
         return data;
@@ -147,7 +147,10 @@ pub fn curve(points: &[Point]) -> String {
                 let _ = write!(data, " L {:.1} {:.1}", point.x, point.y);
             }
             Some(next) => {
-                let (x, y) = ((point.x + next.x) / 2.0, (point.y + next.y) / 2.0);
+                let (x, y) = (
+                    f64::midpoint(point.x, next.x),
+                    f64::midpoint(point.y, next.y),
+                );
                 let is_last = index + 2 == rest.len();
                 let (x, y) = if is_last { (next.x, next.y) } else { (x, y) };
                 let _ = write!(data, " Q {:.1} {:.1} {x:.1} {y:.1}", point.x, point.y);
@@ -228,8 +231,8 @@ fn document(title: &str, size: Size, body: &str) -> String {
     )
 }
 
-/// Replaces the characters that have a meaning in XML and HTML.
-pub fn escape(text: &str) -> String {
+/// Replaces the characters that have a meaning in XML.
+fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -186,7 +186,7 @@ pub(super) fn histogram(label: &str, columns: &Columns, lines: &[(&str, f64)]) -
                 title { (figure(start)) " to " (figure(start + width)) " s: " (count(*number_of)) }
             }
         }
-        @for (index, (name, at)) in lines.iter().enumerate() {
+        @for (index, (name, at)) in lines.iter().enumerate().filter(|(_, (_, at))| *at <= frame.seconds) {
             @let x = frame.x(*at);
             line.mark x1=(number(x)) x2=(number(x)) y1=(TOP) y2=(number(frame.y(0.0))) {}
             @let is_right = x > WIDTH - 160.0;
@@ -196,47 +196,56 @@ pub(super) fn histogram(label: &str, columns: &Columns, lines: &[(&str, f64)]) -
     frame.draw(label, 0.0, &inside)
 }
 
-/// An interval, and the values that it was estimated from.
+/// An interval, and the values that it was estimated from, as shares of a base: 0.1 is 10 % more.
 pub(super) struct Range {
     pub name: String,
     pub low: f64,
     pub mean: f64,
     pub high: f64,
     pub values: Vec<f64>,
-    /// Whether 0 is shown, because it matters on which side of it the interval lies.
-    pub with_zero: bool,
+    /// What stands below the interval.
+    pub text: String,
 }
 
-/// Intervals, one below the other, each on a scale of its own.
+/// Intervals, one below the other, on one scale: percent of the base of each.
 pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
     const ROW: f64 = 44.0;
     const NAMES: f64 = 210.0;
-    let height = ranges.len() as f64 * ROW + 4.0;
+    let bottom = ranges.len() as f64 * ROW + 4.0;
+    let height = bottom + 24.0;
+    let scale = Scale::of(ranges, NAMES + 70.0, WIDTH - 70.0);
     html! {
         svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
+            @for mark in scale.marks() {
+                line.grid x1=(number(scale.x(mark))) x2=(number(scale.x(mark))) y1="2" y2=(bottom) {}
+                text x=(number(scale.x(mark))) y=(bottom + 16.0) text-anchor="middle" { (signed(mark)) }
+            }
+            line.capacity x1=(number(scale.x(0.0))) x2=(number(scale.x(0.0))) y1="2" y2=(bottom) {}
             @for (row, range) in ranges.iter().enumerate() {
                 @let y = row as f64 * ROW + 16.0;
-                @let scale = Scale::of(range, NAMES + 40.0, WIDTH - 40.0);
                 text.name x=(NAMES) y=(y + 4.0) text-anchor="end" { (range.name) }
-                line.grid x1=(NAMES + 20.0) x2=(WIDTH - 20.0) y1=(y) y2=(y) {}
-                @if range.with_zero {
-                    line.capacity x1=(number(scale.x(0.0))) x2=(number(scale.x(0.0))) y1=(y - 12.0) y2=(y + 12.0) { title { "No difference" } }
-                }
-                @for value in &range.values {
-                    circle.run cx=(number(scale.x(*value))) cy=(y) r="3" {}
-                }
                 line.interval x1=(number(scale.x(range.low))) x2=(number(scale.x(range.high))) y1=(y) y2=(y) {}
-                circle.mean cx=(number(scale.x(range.mean))) cy=(y) r="5" { title { (figure(range.mean)) } }
-                text x=(number(scale.x(range.mean))) y=(y + 20.0) text-anchor="middle" {
-                    (figure(range.mean))
-                    @if range.high > range.low { " (" (figure(range.low)) " to " (figure(range.high)) ")" }
+                @for (index, value) in range.values.iter().enumerate() {
+                    circle.run cx=(number(scale.x(*value))) cy=(number(y - 6.0 + 4.0 * (index % 4) as f64)) r="3" {}
                 }
+                circle.mean cx=(number(scale.x(range.mean))) cy=(y) r="5" {}
+                text x=(number(scale.x(range.mean))) y=(y + 20.0) text-anchor="middle" { (range.text) }
             }
         }
     }
 }
 
-/// A scale on which all of a range is seen.
+/// A share as a percentage with its sign.
+pub(super) fn signed(share: f64) -> String {
+    let percent = figure(share * 100.0);
+    if share > 0.0 && percent != "0" {
+        format!("+{percent} %")
+    } else {
+        format!("{percent} %")
+    }
+}
+
+/// A scale on which all of the ranges are seen, and 0.
 struct Scale {
     low: f64,
     high: f64,
@@ -245,27 +254,35 @@ struct Scale {
 }
 
 impl Scale {
-    fn of(range: &Range, left: f64, right: f64) -> Self {
-        let zero = range.with_zero.then_some(0.0);
-        let all = [range.low, range.high, range.mean].into_iter();
-        let all = || all.clone().chain(range.values.iter().copied()).chain(zero);
-        let low = all().fold(f64::INFINITY, f64::min);
-        let high = all().fold(f64::NEG_INFINITY, f64::max);
-        let widening = if high > low {
-            0.0
-        } else {
-            high.abs().max(1.0) * 0.1
-        };
+    fn of(ranges: &[Range], left: f64, right: f64) -> Self {
+        let all = ranges.iter().flat_map(|range| {
+            let own = [range.low, range.high, range.mean, 0.0];
+            own.into_iter().chain(range.values.iter().copied())
+        });
+        let (low, high) = all.fold((0.0_f64, 0.0_f64), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        let widening = if high > low { 0.0 } else { 0.01 };
         Self {
             low: low - widening,
             high: high + widening,
-            left: left + 60.0,
-            right: right - 60.0,
+            left,
+            right,
         }
     }
 
     fn x(&self, value: f64) -> f64 {
         self.left + (self.right - self.left) * (value - self.low) / (self.high - self.low)
+    }
+
+    fn marks(&self) -> Vec<f64> {
+        let step = marks(self.high - self.low, 6)
+            .get(1)
+            .copied()
+            .unwrap_or(0.01);
+        let first = (self.low / step).ceil() as i64;
+        let last = (self.high / step).floor() as i64;
+        (first..=last).map(|index| index as f64 * step).collect()
     }
 }
 

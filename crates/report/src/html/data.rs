@@ -30,11 +30,13 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
     let states: Vec<Value> = recorder
         .states
         .iter()
-        .map(|changes| {
+        .enumerate()
+        .map(|(node, changes)| {
             if changes.is_empty() {
                 return Value::Null;
             }
-            json!({ "count": changes.len(), "bytes": state_column(changes, ticks) })
+            let waiting = recorder.waiting(node);
+            json!({ "count": changes.len(), "bytes": state_column(changes, waiting, ticks) })
         })
         .collect();
     let violations: Vec<Value> = page.traces[0]
@@ -88,13 +90,23 @@ fn node(node: &Node) -> Value {
     }
 }
 
-/// For each change: eight times the ticks since the last one, plus the number of the state.
-fn state_column(changes: &[(f64, Activity)], ticks: impl Fn(f64) -> u64) -> String {
+/// For each change: eight times the ticks since the last one, plus the number of the state. Waiting
+/// for parts is shown as `waiting`.
+fn state_column(
+    changes: &[(f64, Activity)],
+    waiting: Activity,
+    ticks: impl Fn(f64) -> u64,
+) -> String {
     let mut bytes = Bytes::default();
     let mut last = 0;
     for (time, state) in changes {
         let now = ticks(*time);
-        let class = state_class(*state);
+        let shown = if *state == Activity::Starved {
+            waiting
+        } else {
+            *state
+        };
+        let class = state_class(shown);
         let number = STATES.iter().position(|state| state_class(*state) == class);
         bytes.push((now - last) << 3 | number.unwrap_or(0) as u64);
         last = now;

@@ -189,12 +189,12 @@ fn between_rows(
     let out = free(right, 1.0, in_row[from], boxes, sizes, in_row);
     let back = free(left, -1.0, in_row[to], boxes, sizes, in_row);
     let mut corners = vec![(right, boxes[from].y), (out, boxes[from].y), (out, first_y)];
-    if first != second {
+    if first == second {
+        corners.push((back, first_y));
+    } else {
         let second_y = rows[second].bottom + ROW_GAP / 2.0 + lane(second);
         let side = -20.0 - lane(rows.len());
         corners.extend([(side, first_y), (side, second_y), (back, second_y)]);
-    } else {
-        corners.push((back, first_y));
     }
     corners.extend([(back, boxes[to].y), (left, boxes[to].y)]);
     corners.into_iter().map(|(x, y)| Point { x, y }).collect()

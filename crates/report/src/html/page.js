@@ -82,7 +82,7 @@
     const [size, unit] = units.find(([size]) => seconds >= size) ?? units[4];
     return `${Number((seconds / size).toPrecision(3)).toLocaleString("en")} ${unit}`;
   }
-  const words = { idle: "off shift", setup: "being set up", failed: "failed" };
+  const words = { idle: "idle", setup: "being set up", failed: "failed" };
 
   // ---- The picture ---------------------------------------------------------------------------
 
@@ -155,7 +155,7 @@
     seek(time);
     const here = data.nodes.map(() => []);
     for (const [number, part] of there) here[part.node].push({ number, ...part });
-    const slide = calm.matches ? 0 : 0.25 * rate();
+    const slide = calm.matches ? 0 : 0.1 * rate();
     const shown = [];
     here.forEach((parts, node) => {
       const { kind, capacity, places, pitchSeconds, isStepped } = data.nodes[node];
@@ -393,8 +393,8 @@
     drawCursor();
   }
 
-  // Draws the states of a station. Pieces narrower than a pixel are gathered: a pixel shows the state
-  // that takes most of it.
+  // Draws the states of a station. Pieces narrower than a pixel are gathered: a column of pixels
+  // shows the share of each state.
   function drawRow(pen, column, x, y, tall, width, scale) {
     const { times, states } = column;
     const end = Math.min(data.statesEnd ?? data.end, to);
@@ -403,10 +403,14 @@
     let pixel = -1, used = 0;
     const flush = () => {
       if (pixel < 0 || used === 0) return;
-      let most = 0;
-      for (let s = 1; s < 8; s++) if (shares[s] > shares[most]) most = s;
-      pen.fillStyle = colours.states[most];
-      pen.fillRect(pixel, y, 1, tall);
+      let bottom = y + tall;
+      for (let s = 0; s < colours.states.length; s++) {
+        const part = tall * shares[s] / used;
+        if (part === 0) continue;
+        pen.fillStyle = colours.states[s];
+        pen.fillRect(pixel, bottom - part, 1, part);
+        bottom -= part;
+      }
       shares.fill(0);
       used = 0;
     };

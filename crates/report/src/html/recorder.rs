@@ -50,6 +50,8 @@ pub struct Recorder {
     /// Time from which on movements were left out, in seconds.
     pub(super) moves_end: Option<f64>,
     units: Steps,
+    /// By node: whether a part has ever come.
+    visited: Vec<bool>,
     /// By node: the number of parts, if it is a buffer.
     buffers: Vec<Option<Steps>>,
     /// Whether the parts of a type are end products.
@@ -86,6 +88,7 @@ impl Recorder {
             moves: Vec::new(),
             moves_end: None,
             units: Steps::new(),
+            visited: vec![false; nodes],
             buffers: buffers.collect(),
             is_product: types.map(|part| line.products.contains(&part)).collect(),
             lead_times: Histogram::new(),
@@ -103,6 +106,15 @@ impl Recorder {
     /// Number of parts in the line over time.
     pub(super) fn units(&self) -> Curve {
         self.units.clone().until(self.end)
+    }
+
+    /// The state as which a station's waiting for parts is shown: idle if no part ever came.
+    pub(super) fn waiting(&self, node: usize) -> Activity {
+        if self.visited[node] {
+            Activity::Starved
+        } else {
+            Activity::Idle
+        }
     }
 
     /// Number of parts in a buffer over time; `None` if the node is no buffer.
@@ -182,7 +194,10 @@ impl Recorder {
                 self.units.add(time, 1);
                 self.moved(time, part, Some(kind), Target::Node(node));
             }
-            EventKind::Arrived => self.changes_buffer(time, node, 1),
+            EventKind::Arrived => {
+                self.visited[node] = true;
+                self.changes_buffer(time, node, 1);
+            }
             EventKind::Left => {
                 self.changes_buffer(time, node, -1);
                 if let Some(Other::Node(to)) = entry.other {

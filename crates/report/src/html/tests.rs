@@ -108,8 +108,8 @@ fn mean(curve: &series::Curve, start: f64) -> f64 {
 fn the_figures_are_those_of_the_run() {
     for run in runs() {
         let (trace, recorder) = (&run.trace, &run.recorder);
-        assert_eq!(recorder.end, trace.seconds);
-        assert_eq!(recorder.counting, trace.warm_up);
+        assert_near(recorder.end, trace.seconds, "end");
+        assert_near(recorder.counting, trace.warm_up, "warm-up");
         let columns = recorder.lead_times.columns();
         let counted = columns.counts.iter().sum::<u64>() + columns.beyond;
         assert_eq!(counted, trace.products);

@@ -1,0 +1,207 @@
+//! Confidence intervals of replications and batches, and the comparison with a variant.
+
+use super::super::charts::{Range, signed};
+use super::super::numbers::figure;
+use super::super::{Page, charts};
+use super::operation::shares;
+use super::{behind, first, section, table};
+use crate::{Intervals, Variant};
+use linewright_language::contract::metric::Measure;
+use linewright_line::trace::End;
+use linewright_line::{Estimate, Trace};
+use maud::{Markup, html};
+
+/// The estimate of a measure over replications or batches.
+pub(super) fn estimate(page: &Page<'_>, measure: Measure) -> Option<Estimate> {
+    match page.intervals? {
+        Intervals::Replications(runs) => match measure {
+            Measure::Throughput => runs.throughput_per_hour,
+            Measure::LeadTime => runs.lead_time,
+            Measure::LeadTimeP95 => runs.lead_time_p95,
+            Measure::Wip => runs.wip,
+            Measure::Makespan => runs.makespan,
+            Measure::Energy => runs.energy_kwh,
+            _ => None,
+        },
+        Intervals::Batches(batches) => {
+            let mut estimates = batches.estimates.iter();
+            estimates.find(|e| e.measure == measure)?.value
+        }
+    }
+}
+
+/// A mean with its interval, as text.
+pub(super) fn interval(estimate: Option<Estimate>) -> String {
+    let Some(Estimate { mean, half_width }) = estimate else {
+        return "-".to_owned();
+    };
+    match half_width {
+        Some(half) => format!(
+            "{} ({} to {})",
+            figure(mean),
+            figure(mean - half),
+            figure(mean + half)
+        ),
+        None => figure(mean),
+    }
+}
+
+pub(super) fn replications(page: &Page<'_>) -> Markup {
+    const SHOWN: [Measure; 6] = [
+        Measure::Throughput,
+        Measure::LeadTime,
+        Measure::LeadTimeP95,
+        Measure::Wip,
+        Measure::Makespan,
+        Measure::Energy,
+    ];
+    let (heading, about) = match page.intervals {
+        None => return html! {},
+        Some(Intervals::Replications(runs)) => (
+            "Replications",
+            format!(
+                "Means of {} runs with 95 % confidence intervals, in percent of each mean. Each small dot is a run.",
+                runs.seeds.len()
+            ),
+        ),
+        Some(Intervals::Batches(batches)) => (
+            "Batch means",
+            format!(
+                "Means of {} batches of the run with 95 % confidence intervals, in percent of each mean.",
+                batches.count
+            ),
+        ),
+    };
+    let is_single = matches!(page.intervals, Some(Intervals::Batches(_)));
+    // The length of a run that time ends is no result.
+    let by_time = first(page).end == End::Time;
+    let shown = SHOWN
+        .iter()
+        .filter(|measure| !(by_time && **measure == Measure::Makespan));
+    let ranges: Vec<Range> = shown
+        .filter_map(|measure| {
+            let estimate = estimate(page, *measure)?;
+            let (mean, half) = (estimate.mean, estimate.half_width.unwrap_or(0.0));
+            let of_mean = |value: f64| value / mean - 1.0;
+            (mean != 0.0).then(|| Range {
+                name: measure.info().label.to_owned(),
+                low: of_mean(mean - half),
+                mean: 0.0,
+                high: of_mean(mean + half),
+                values: if is_single {
+                    Vec::new()
+                } else {
+                    let values = of_runs(*measure, page.traces);
+                    values.into_iter().map(of_mean).collect()
+                },
+                text: interval(Some(estimate)),
+            })
+        })
+        .collect();
+    let rows: Vec<Vec<String>> = page
+        .traces
+        .iter()
+        .map(|trace| {
+            let cells = SHOWN.iter().map(|measure| {
+                of_runs(*measure, std::slice::from_ref(trace))
+                    .first()
+                    .map_or("-".to_owned(), |v| figure(*v))
+            });
+            std::iter::once(trace.seed.to_string())
+                .chain(cells)
+                .collect()
+        })
+        .collect();
+    let headings: Vec<&str> = std::iter::once("Seed")
+        .chain(SHOWN.map(|m| m.info().label))
+        .collect();
+    let inside = html! {
+        p { (about) }
+        (charts::ranges(heading, &ranges))
+        @if !is_single { (behind(&headings, &rows)) }
+    };
+    section("replications", heading, &inside)
+}
+
+/// Values of a measure in runs that have one.
+fn of_runs(measure: Measure, traces: &[Trace]) -> Vec<f64> {
+    use linewright_line::metric::Figures as _;
+    traces
+        .iter()
+        .filter_map(|trace| trace.of_line(measure))
+        .collect()
+}
+
+pub(super) fn comparison(page: &Page<'_>) -> Markup {
+    let Some(compared) = page.comparison else {
+        return html! {};
+    };
+    let shown = compared
+        .comparisons
+        .iter()
+        .filter(|c| c.as_it_is != 0.0 || c.what_if != 0.0);
+    let ranges: Vec<Range> = shown
+        .clone()
+        .filter(|c| c.as_it_is != 0.0)
+        .map(|c| {
+            let half = c.difference.half_width.unwrap_or(0.0) / c.as_it_is.abs();
+            let mean = c.difference.mean / c.as_it_is.abs();
+            Range {
+                name: c.measure.info().label.to_owned(),
+                low: mean - half,
+                mean,
+                high: mean + half,
+                values: Vec::new(),
+                text: format!(
+                    "{} ({} to {})",
+                    signed(mean),
+                    signed(mean - half),
+                    signed(mean + half)
+                ),
+            }
+        })
+        .collect();
+    let rows: Vec<Vec<String>> = shown
+        .map(|c| {
+            let significant = match c.is_significant() {
+                Some(true) => "yes",
+                Some(false) => "no",
+                None => "-",
+            };
+            vec![
+                c.measure.info().label.to_owned(),
+                figure(c.as_it_is),
+                figure(c.what_if),
+                interval(Some(c.difference)),
+                significant.to_owned(),
+            ]
+        })
+        .collect();
+    let inside = html! {
+        p { "What if " (changes(compared.variant)) "? Both lines were run with the same random seeds. The chart shows the differences in percent of the line as it is, with their paired 95 % confidence intervals." }
+        (charts::ranges("Differences", &ranges))
+        (table(&["Measure", "As it is", "What if", "Difference", "Significant at 95 %"], &rows))
+        @if let Some(other) = compared.traces.first() {
+            h3 { "Where the time goes, as it is" }
+            (shares(&first(page).stations))
+            h3 { "Where the time goes, what if" }
+            (shares(&other.stations))
+        }
+    };
+    section("comparison", "Comparison", &inside)
+}
+
+fn changes(variant: &Variant) -> String {
+    let set = variant
+        .set
+        .iter()
+        .map(|(name, value)| format!("{name} = {value}"));
+    let speeds = variant.speeds.iter().map(|(name, speed)| {
+        let word = if *speed < 1.0 { "slower" } else { "faster" };
+        format!(
+            "{name} works {} % {word}",
+            figure((speed - 1.0).abs() * 100.0)
+        )
+    });
+    set.chain(speeds).collect::<Vec<_>>().join(" and ")
+}

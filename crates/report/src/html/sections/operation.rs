@@ -1,0 +1,205 @@
+//! What the stations do: the picture that plays the run, shares of states, and the timeline.
+
+use super::super::charts::{Bar, Piece};
+use super::super::numbers::{count, percent};
+use super::super::picture::Picture;
+use super::super::{Page, charts, state_class};
+use super::{STATES, behind, first, legend, section, table};
+use crate::table::bottleneck;
+use linewright_line::trace::{StationStatistics, WaitKind, duration};
+use maud::{Markup, html};
+
+pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
+    let trace = first(page);
+    let inside = html! {
+        div.controls role="group" aria-label="Playback" {
+            button #play type="button" aria-pressed="false" { "Play" }
+            button #back type="button" aria-label="Previous event" { "◀ Event" }
+            button #forward type="button" aria-label="Next event" { "Event ▶" }
+            label { "Speed " select #speed {} }
+            @if trace.violation_count > 0 { button #violation type="button" { "Next violation" } }
+            output #clock for="time" { "0:00:00" }
+        }
+        div.axis {
+            input #time type="range" min="0" max="1000" value="0" step="any" aria-label="Time of the run";
+            svg #marks viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true" {}
+        }
+        div.scroll.picture tabindex="0" role="group" aria-label="Picture" { (picture.draw(page.line, &page.recorder.flow)) }
+        p #status role="status" { "Point at a place, or move the focus to it, to see what it does." }
+        (legend())
+        ul.legend aria-label="Parts" { @for (index, part) in page.line.parts.iter().enumerate() {
+            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { (part_shape(index)) } (part.name) }
+        } }
+        svg width="0" height="0" aria-hidden="true" { defs {
+            @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
+            (patterns())
+        } }
+        p.hint #cut {}
+    };
+    section("line-section", "The line", &inside)
+}
+
+/// The shape of a part of this type: shape and colour tell types apart.
+fn part_shape(index: usize) -> Markup {
+    let class = format!("part part{}", index % 6);
+    html! {
+        @match index % 4 {
+            0 => circle class=(class) r="5" {},
+            1 => rect class=(class) x="-4.5" y="-4.5" width="9" height="9" {},
+            2 => path class=(class) d="M0 -6L6 4.5H-6Z" {},
+            _ => path class=(class) d="M0 -6L6 0L0 6L-6 0Z" {},
+        }
+    }
+}
+
+/// Patterns by which states can be distinguished without colours.
+fn patterns() -> Markup {
+    let lines = [
+        ("blocked-pattern", "M0 8L8 0M-2 2L2 -2M6 10L10 6"),
+        ("failed-pattern", "M0 0L8 8M0 8L8 0"),
+        ("setup-pattern", "M2 0V8M6 0V8"),
+        ("starved-pattern", "M0 4H8"),
+    ];
+    html! {
+        @for (id, path) in lines {
+            pattern id=(id) width="8" height="8" patternUnits="userSpaceOnUse" {
+                rect.ground width="8" height="8" {}
+                path.hatch d=(path) {}
+            }
+        }
+    }
+}
+
+/// Shares of a station's time in the order of [`STATES`].
+fn of_states(station: &StationStatistics) -> [f64; 6] {
+    let shares = &station.shares;
+    [
+        shares.busy,
+        shares.setup,
+        shares.failed,
+        shares.blocked,
+        shares.starved,
+        shares.idle,
+    ]
+}
+
+pub(super) fn shares(stations: &[StationStatistics]) -> Markup {
+    let bars: Vec<Bar> = stations
+        .iter()
+        .map(|station| Bar {
+            name: station.name.clone(),
+            pieces: of_states(station)
+                .into_iter()
+                .zip(STATES)
+                .map(|(value, (state, name))| Piece {
+                    class: state_class(state),
+                    value,
+                    title: format!("{} {name}: {}", station.name, percent(value)),
+                })
+                .collect(),
+            total: percent(station.shares.busy),
+        })
+        .collect();
+    charts::bars("Shares of the time of each station", &bars, 1.0)
+}
+
+pub(super) fn stations(page: &Page<'_>) -> Markup {
+    let stations = &first(page).stations;
+    if stations.is_empty() {
+        return html! {};
+    }
+    let rows: Vec<Vec<String>> = stations
+        .iter()
+        .map(|station| {
+            let mut row = vec![
+                station.name.clone(),
+                station
+                    .machine
+                    .clone()
+                    .unwrap_or_else(|| "not controlled".to_owned()),
+                count(station.processed),
+            ];
+            row.extend(of_states(station).map(percent));
+            row.push(
+                station
+                    .work_time
+                    .map_or("-".to_owned(), |work| duration(work.seconds)),
+            );
+            row.extend(match &station.oee {
+                Some(oee) => [
+                    oee.index(),
+                    oee.availability,
+                    oee.effectiveness,
+                    oee.quality,
+                ]
+                .map(percent),
+                None => ["-"; 4].map(str::to_owned),
+            });
+            row.push(count(station.scrapped));
+            row
+        })
+        .collect();
+    let mut headings = vec!["Station", "Machine", "Processed"];
+    headings.extend(STATES.map(|(_, name)| name));
+    headings.extend([
+        "Work a part",
+        "OEE",
+        "Availability",
+        "Effectiveness",
+        "Quality",
+        "Scrapped",
+    ]);
+    let waits: Vec<Vec<String>> = stations
+        .iter()
+        .flat_map(|station| station.waits.iter().map(move |wait| (station, wait)))
+        .filter(|(_, wait)| wait.share >= 0.005)
+        .map(|(station, wait)| {
+            let kind = match wait.kind {
+                WaitKind::Blocked => "blocked by",
+                WaitKind::Starved => "starved of parts from",
+            };
+            vec![
+                station.name.clone(),
+                format!("{kind} {}", wait.place),
+                percent(wait.share),
+                percent(wait.failed),
+                percent(wait.off_shift),
+            ]
+        })
+        .collect();
+    let inside = html! {
+        p { "Shares of all counted time, off shift included; at the end of each bar is its busy share." }
+        (shares(stations))
+        (legend())
+        (behind(&headings, &rows))
+        @if !waits.is_empty() {
+            h3 { "What the stations waited for" }
+            p { "Causes of at least 0.5 % of a station's time." }
+            (table(&["Station", "It was", "Share of the time", "of it, with that station failed", "off shift"], &waits))
+        }
+        h3 { "Bottleneck" }
+        p { (bottleneck(&first(page).bottleneck)) "." }
+    };
+    section("stations", "Where the time goes", &inside)
+}
+
+pub(super) fn timeline(page: &Page<'_>) -> Markup {
+    if first(page).stations.is_empty() {
+        return html! {};
+    }
+    let inside = html! {
+        p { "Drag to move, turn the wheel or press + and − to zoom, 0 to see all. A click sets the time of the picture above. Where states are too short to be seen, the height of each colour is its share." }
+        div.controls role="group" aria-label="Zoom" {
+            button #zoom-in type="button" { "Zoom in" }
+            button #zoom-out type="button" { "Zoom out" }
+            button #zoom-all type="button" { "All" }
+            output #window {}
+        }
+        div.timeline {
+            canvas #gantt tabindex="0" role="img" aria-label="States of the stations over time. Shares are in the table of the section before." {}
+            div #cursor {}
+        }
+        (legend())
+    };
+    section("timeline", "Timeline of the stations", &inside)
+}

@@ -1,0 +1,212 @@
+//! Head of a page, figures, and requirements.
+
+use super::super::Page;
+use super::super::numbers::{count, figure, percent};
+use super::intervals::{estimate, interval};
+use super::{first, section, table};
+use crate::Intervals;
+use crate::table::{bottleneck, required};
+use linewright_language::contract::line::declared_name;
+use linewright_language::contract::metric::Measure;
+use linewright_line::metric::JOULES_PER_KWH;
+use linewright_line::trace::{End, Oee, duration};
+use linewright_line::{Bottleneck, Estimate, Trace};
+use maud::{Markup, html};
+
+pub(super) fn header(page: &Page<'_>) -> Markup {
+    let trace = first(page);
+    let links = [
+        ("line-section", "Line", true),
+        (
+            "requirements",
+            "Requirements",
+            !page.line.requirements.is_empty(),
+        ),
+        ("replications", "Intervals", page.intervals.is_some()),
+        ("comparison", "Comparison", page.comparison.is_some()),
+        ("stations", "Stations", !trace.stations.is_empty()),
+        ("timeline", "Timeline", !trace.stations.is_empty()),
+        ("queues", "WIP and queues", true),
+        ("lead-times", "Lead times", trace.products > 0),
+        ("energy", "Energy", trace.joules > 0.0),
+        ("flow", "Flow", true),
+        ("violations", "Violations", trace.violation_count > 0),
+        ("model", "Model", true),
+    ];
+    html! {
+        header {
+            h1 { (page.line.name) }
+            @if !page.line.doc.is_empty() { p.doc { (page.line.doc) } }
+            p {
+                (duration(trace.seconds)) " simulated, random seed " (trace.seed)
+                @if page.traces.len() > 1 { "; the first of " (page.traces.len()) " runs, of which pictures, charts and tables are, unless they have intervals" }
+                @if trace.warm_up > 0.0 { "; the first " (duration(trace.warm_up)) " are the warm-up and do not count" }
+                ". " (ending(trace.end))
+            }
+            nav aria-label="Sections" { @for (id, name, is_there) in links { @if is_there {
+                a href=(format!("#{id}")) { (name) }
+            } } }
+        }
+    }
+}
+
+fn ending(end: End) -> &'static str {
+    match end {
+        End::Products => "The run ended with the last product that was asked for.",
+        End::Time => "The run ended at the time that was asked for.",
+        End::Blocked => "The run ended early: the line can no longer advance.",
+        End::PartLost => "The run ended early: a conveyor lost a part.",
+        End::GaveUp => "The run was cut off at the time limit.",
+    }
+}
+
+fn tile(name: &str, value: &str, note: &str) -> Markup {
+    html! {
+        div.tile { dt { (name) } dd { (value) } dd.note { (note) } }
+    }
+}
+
+/// A tile for a measure: its mean with the interval if there is one, otherwise the value of the run
+/// with a note.
+fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &str) -> Markup {
+    let show = |value: f64| match measure {
+        Measure::LeadTime => duration(value),
+        Measure::Throughput => format!("{} / h", figure(value)),
+        Measure::Energy => format!("{} kWh", figure(value)),
+        _ => figure(value),
+    };
+    match estimate(page, measure) {
+        Some(Estimate {
+            mean,
+            half_width: Some(half),
+        }) => {
+            let of = match page.intervals {
+                Some(Intervals::Batches(batches)) => format!("{} batches", batches.count),
+                _ => format!("{} runs", page.traces.len()),
+            };
+            tile(
+                name,
+                &show(mean),
+                &format!("mean of {of}, ± {} (95 %)", show(half)),
+            )
+        }
+        _ => tile(name, &show(value), note),
+    }
+}
+
+pub(super) fn tiles(page: &Page<'_>) -> Markup {
+    let trace = first(page);
+    let lead_time = trace.lead_time;
+    let has_products = trace.products > 0;
+    let kwh = trace.joules / JOULES_PER_KWH;
+    let on_shift = trace.throughput_on_shift;
+    let on_shift = on_shift.map_or(String::new(), |rate| {
+        format!("{} / h on shift", figure(rate))
+    });
+    let quantiles = format!(
+        "median {}, 95th percentile {}",
+        duration(lead_time.p50),
+        duration(lead_time.p95)
+    );
+    html! {
+        dl.tiles {
+            (tile("Products", &count(trace.products), &rejected(trace)))
+            (measured(page, Measure::Throughput, "Throughput", trace.throughput_per_hour, &on_shift))
+            @if has_products { (measured(page, Measure::LeadTime, "Lead time", lead_time.mean, &quantiles)) }
+            (measured(page, Measure::Wip, "Work in progress", trace.wip.mean, &format!("parts of all types; at most {}", trace.wip.max)))
+            @if let Some((name, oee)) = bottleneck_oee(trace) {
+                (tile(&format!("OEE of {name}"), &percent(oee.index()), &format!(
+                    "availability {}, effectiveness {}, quality {}",
+                    percent(oee.availability), percent(oee.effectiveness), percent(oee.quality)
+                )))
+            }
+            @if trace.joules > 0.0 {
+                (measured(page, Measure::Energy, "Energy", kwh, &if has_products {
+                    format!("{} kWh a product", figure(kwh / trace.products as f64))
+                } else {
+                    String::new()
+                }))
+            }
+            @if let (true, Some(first_pass)) = (has_products, trace.yields.first_pass_yield()) {
+                (tile("First-pass yield", &percent(first_pass), &trace.yields.scrap_ratio().map_or(String::new(), |scrap| format!("of all single parts; scrap {}", percent(scrap)))))
+            }
+            (tile("Violations", &count(trace.violation_count), "of contracts"))
+            div.tile.wide { dt { "Bottleneck" } dd.text {
+                @if has_products { (bottleneck(&trace.bottleneck)) } @else { "none: no product was made" }
+            } }
+        }
+        (warnings(page))
+    }
+}
+
+/// The bottleneck's OEE, with its name, if it is one station.
+fn bottleneck_oee(trace: &Trace) -> Option<(&str, Oee)> {
+    let Bottleneck::Station(candidate) = &trace.bottleneck else {
+        return None;
+    };
+    let mut stations = trace.stations.iter();
+    let station = stations.find(|station| declared_name(&station.name) == candidate.name)?;
+    Some((&station.name, station.oee?))
+}
+
+/// What the run found, in short. The whole findings are with the model.
+fn warnings(page: &Page<'_>) -> Markup {
+    if page.findings.is_empty() {
+        return html! {};
+    }
+    html! {
+        div.warnings role="note" {
+            p { strong { "Findings" } " (in full " a href="#model" { "with the model" } "):" }
+            ul { @for finding in page.findings { li { (finding.severity.word()) " " (finding.code.id) ": " (finding.message) } } }
+        }
+    }
+}
+
+fn rejected(trace: &Trace) -> String {
+    match trace.parts.rejected {
+        0 => "none rejected".to_owned(),
+        number => format!("{} parts rejected", count(number)),
+    }
+}
+
+pub(super) fn requirements(page: &Page<'_>) -> Markup {
+    let line = page.line;
+    if line.requirements.is_empty() {
+        return html! {};
+    }
+    let results = match page.intervals {
+        Some(Intervals::Replications(runs)) => Some(&runs.requirements),
+        Some(Intervals::Batches(batches)) => Some(&batches.requirements),
+        None => None,
+    };
+    let rows: Vec<Vec<String>> =
+        line.requirements
+            .iter()
+            .enumerate()
+            .map(|(index, requirement)| {
+                let (verdict, value) = match results {
+                    Some(results) => results.get(index).map_or(("-", "-".to_owned()), |result| {
+                        (result.verdict.word(), interval(result.value))
+                    }),
+                    None => first(page).requirements.get(index).map_or(
+                        ("-", "-".to_owned()),
+                        |result| {
+                            let value = result.value.map_or("-".to_owned(), figure);
+                            (result.verdict().word(), value)
+                        },
+                    ),
+                };
+                vec![
+                    requirement.name.clone(),
+                    verdict.to_owned(),
+                    required(line, index),
+                    value,
+                ]
+            })
+            .collect();
+    section(
+        "requirements",
+        "Requirements",
+        &table(&["Requirement", "Verdict", "Required", "Measured"], &rows),
+    )
+}
