@@ -19,7 +19,7 @@
 //! for a part that the belt before it has handed over. Turns at the next node are decided as for
 //! all other nodes; see `flow.rs`.
 
-use super::flow::Way;
+use super::ways::Way;
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
 use crate::trace::{End, EventKind};

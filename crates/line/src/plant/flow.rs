@@ -1,4 +1,4 @@
-//! Moves parts from node to node: ways, outlets, admission, and order.
+//! Moves parts from node to node: outlets, admission, and order.
 //!
 //! Each node has an *outlet* for the part that would leave next; a store has one for each type that
 //! leaves it. Once a part is at an outlet, its way is fixed. The part moves when the next node
@@ -28,11 +28,10 @@
 
 use super::part::PartIndex;
 use super::queue::Request;
+use super::ways::Way;
 use super::{Node, Place, Run};
-use crate::trace::{End, EventKind};
-use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::{Choice, Line, NodeKind};
-use linewright_language::contract::machine::RealExpr;
+use crate::trace::EventKind;
+use linewright_language::contract::line::{Line, NodeKind};
 use std::ops::Range;
 
 /// The point where a node's next part waits to leave.
@@ -49,85 +48,6 @@ pub(super) struct Outlet {
     /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
     /// takes.
     pub since: Option<u64>,
-}
-
-/// The routes of which a part takes one: indices into [`Ways::to`], and the choice to which they
-/// belong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Way {
-    first: u32,
-    end: u32,
-    choice: Option<u32>,
-    /// The place to which the part goes; `None` if it is open to which of several.
-    only: Option<u32>,
-}
-
-/// Routes by node and part type.
-pub(super) struct Ways {
-    types: usize,
-    /// By node and part type: the way, if all parts take the same one.
-    same: Vec<Option<Way>>,
-    /// By node and part type: range of `all`.
-    index: Vec<Range<u32>>,
-    all: Vec<(Way, Option<RealExpr>)>,
-    to: Vec<usize>,
-}
-
-impl Ways {
-    pub(super) fn new(line: &Line) -> Self {
-        let types = line.parts.len();
-        let mut by_start: Vec<Vec<(Way, Option<RealExpr>)>> =
-            vec![Vec::new(); line.nodes.len() * types];
-        let mut at = 0;
-        while at < line.routes.len() {
-            let route = &line.routes[at];
-            let end = line.end_of_way(at);
-            let way = Way {
-                first: at as u32,
-                end: end as u32,
-                choice: route.choice.map(|choice| choice as u32),
-                only: (end == at + 1).then_some(route.to as u32),
-            };
-            by_start[route.from * types + route.part].push((way, route.condition.clone()));
-            at = end;
-        }
-        let mut all = Vec::new();
-        let mut index = Vec::new();
-        let mut same = Vec::new();
-        for ways in by_start {
-            same.push(match ways[..] {
-                [(way, None), ..] if way.choice.is_none() => Some(way),
-                _ => None,
-            });
-            let first = all.len() as u32;
-            all.extend(ways);
-            index.push(first..all.len() as u32);
-        }
-        Self {
-            types,
-            same,
-            index,
-            all,
-            to: line.routes.iter().map(|route| route.to).collect(),
-        }
-    }
-
-    /// The places at the ends of a way.
-    pub(super) fn to(&self, way: Way) -> &[usize] {
-        &self.to[way.first as usize..way.end as usize]
-    }
-
-    /// The way of a part type from a node, if all parts take the same one.
-    #[inline]
-    fn same(&self, node: usize, part: usize) -> Option<Way> {
-        self.same[node * self.types + part]
-    }
-
-    /// Ways of a part type from a node, in order.
-    pub(super) fn from(&self, node: usize, part: usize) -> &[(Way, Option<RealExpr>)] {
-        let range = &self.index[node * self.types + part];
-        &self.all[range.start as usize..range.end as usize]
-    }
 }
 
 /// The outlets of a line, all empty, and the index of each node's first outlet, followed by the
@@ -293,16 +213,6 @@ impl Run<'_> {
         })
     }
 
-    /// Of the places at the ends of a way that take a part, the first one or, for the shortest
-    /// queue, the first with the fewest parts.
-    pub(super) fn choose(&self, way: Way, takes: impl Fn(&usize) -> bool) -> Option<usize> {
-        let mut places = self.setup.ways.to(way).iter().copied().filter(takes);
-        match way.choice.map(|choice| &self.line.choices[choice as usize]) {
-            Some(Choice::ShortestQueue) => places.min_by_key(|to| self.load(*to)),
-            _ => places.next(),
-        }
-    }
-
     /// Registers that the outlet waits for a node. With `since`, it takes the turn of an earlier
     /// request with this sequence number.
     pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
@@ -350,64 +260,6 @@ impl Run<'_> {
         };
         self.nodes[to].requests.push(request);
         true
-    }
-
-    /// The way of a part, by the first route whose condition holds, to the place that the choice
-    /// determines. If there is none, adds a finding.
-    #[inline]
-    pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
-        let same = self.setup.ways.same(node, self.parts[part].kind);
-        same.or_else(|| self.chosen_way(node, part))
-    }
-
-    fn chosen_way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
-        let Self {
-            setup,
-            parts,
-            choosers,
-            ..
-        } = self;
-        let part = &parts[part];
-        let way = setup
-            .ways
-            .from(node, part.kind)
-            .iter()
-            .find(|(_, condition)| {
-                condition
-                    .as_ref()
-                    .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
-            });
-        if let Some(&(way, _)) = way {
-            let chosen = way
-                .choice
-                .and_then(|choice| choosers[choice as usize].choose());
-            return Some(match chosen {
-                None => way,
-                Some(member) => Way {
-                    first: way.first + member,
-                    end: way.first + member + 1,
-                    only: Some(setup.ways.to[(way.first + member) as usize] as u32),
-                    ..way
-                },
-            });
-        }
-        let (kind, number) = (part.kind, part.number);
-        if !self.journal.unroutable.contains(&(node, kind)) {
-            self.journal.unroutable.push((node, kind));
-            let name = self.type_name(kind);
-            let message = format!(
-                "{name} {number} has no way onward from {} at {}",
-                self.name(node),
-                self.moment()
-            );
-            self.journal.findings.push(
-                Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message)
-                    .with_help(format!(
-                        "After the other routes for {name}, add one without a condition."
-                    )),
-            );
-        }
-        None
     }
 
     /// Whether a node has room for a part of this type coming from `from`. A belt takes parts only
@@ -569,125 +421,5 @@ impl Run<'_> {
             }
         }
         self.look_at(node);
-    }
-
-    /// Number of parts in a place.
-    fn load(&self, node: usize) -> usize {
-        match &self.nodes[node].place {
-            Place::Source(_) | Place::Sink => 0,
-            Place::Store(store) => store.parts().count(),
-            Place::Station(station) => station.parts().count(),
-            Place::Conveyor(conveyor) => conveyor.parts.len(),
-            Place::Belt(belt) => belt.held.len() + usize::from(belt.inlet.is_some()),
-            Place::Buffer(buffer) => buffer.len(),
-        }
-    }
-
-    /// A part that leaves its source or a store's stock enters the line.
-    fn enter(&mut self, node: usize, part: PartIndex) {
-        let now = self.now;
-        let entering = &mut self.parts[part];
-        entering.came_from = Some(node as u32);
-        if !entering.entered {
-            entering.entered = true;
-            entering.entered_at = now;
-            entering.since = now;
-            self.counters.unit_enters(now);
-            self.record(node, Some(part), EventKind::Entered);
-        }
-    }
-
-    /// Removes a finished part from the line. The run ends when the requested number of end
-    /// products is reached.
-    pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Finished);
-        self.counters.finished += 1;
-        let single = self.setup.single_parts(self.parts[part].kind);
-        self.counters.finished_single += single;
-        self.counters.first_pass += single - self.parts[part].reworked(single).min(single);
-        self.count_out(self.parts[part].kind);
-        if self.line.is_product(self.parts[part].kind) {
-            let stored = matches!(self.nodes[node].place, Place::Store(_));
-            self.counters
-                .count_product(self.now, &self.parts[part], stored);
-            self.progress
-                .count_product(self.events, self.journal.violation_count);
-            self.count_in_batch(part);
-            if self.is_counting() && self.setup.target == Some(self.counters.products) {
-                self.end = Some(End::Products);
-            }
-        }
-        self.leave_line(part);
-    }
-
-    /// Removes a part that has left the line, or was joined to another.
-    pub(super) fn leave_line(&mut self, part: PartIndex) {
-        let start = self.counting_start();
-        self.counters
-            .unit_leaves(self.now, self.parts[part].since, start);
-        self.parts.remove(part);
-    }
-
-    /// Removes a part from the line as scrap, and orders replacements from the source `reorder`, if
-    /// any.
-    pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
-        self.charge_scrap(part);
-        self.discard(node, part, reorder);
-    }
-
-    /// Removes a part from the line as scrap that a failure made, or that has expired, and orders
-    /// its replacement.
-    pub(super) fn scrap(&mut self, node: usize, part: PartIndex) {
-        self.counters.scrapped += self.setup.single_parts(self.parts[part].kind);
-        let replacement = self.replacement(self.parts[part].kind);
-        self.discard(node, part, replacement);
-    }
-
-    fn discard(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
-        self.record(node, Some(part), EventKind::Rejected);
-        let kind = self.parts[part].kind;
-        self.counters.rejects[kind].0 += 1;
-        self.count_out(kind);
-        self.leave_line(part);
-        if let Some(source) = reorder {
-            let NodeKind::Source { part: ordered, .. } = self.line.nodes[source].kind else {
-                return;
-            };
-            let count = self.setup.content(kind, ordered);
-            self.order(source, count);
-            self.counters.rejects[kind].1 += count;
-        }
-    }
-
-    /// Charges a rejected part to the station whose defect changed it last; without a defect, to
-    /// the station that worked on it last. A part that no station has worked on is not scrap.
-    fn charge_scrap(&mut self, part: PartIndex) {
-        let part = &self.parts[part];
-        if let Some(station) = part.defect_at.or(part.worked_at) {
-            self.counters.scrapped += self.setup.single_parts(part.kind);
-            self.station(station as usize).scrapped += 1;
-        }
-    }
-
-    /// The source from which a replacement is ordered for a part that was removed before it reached
-    /// a sink. Of the sources from which rejecting sinks reorder, this is the first that makes
-    /// the part or something in it; if there is none, the first of all.
-    pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
-        let types = self.line.parts.len();
-        let sources = || {
-            self.line.nodes.iter().filter_map(|node| match node.kind {
-                NodeKind::Sink {
-                    reject: true,
-                    reorder,
-                } => reorder,
-                _ => None,
-            })
-        };
-        sources()
-            .find(|&source| match self.line.nodes[source].kind {
-                NodeKind::Source { part, .. } => self.setup.contents[kind * types + part] > 0,
-                _ => false,
-            })
-            .or_else(|| sources().next())
     }
 }

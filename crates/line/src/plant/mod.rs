@@ -5,6 +5,7 @@
 //! stack is therefore bounded for lines of any length and shape. The behavior of each kind of node
 //! is in its own file here.
 
+mod accounts;
 mod batches;
 mod belt;
 mod blocked;
@@ -24,6 +25,7 @@ mod station;
 mod supply;
 mod waits;
 mod warm_up;
+mod ways;
 
 use super::calendar::Calendar;
 use super::random::{Purpose, Stream};
@@ -36,7 +38,7 @@ use buffer::Buffer;
 use chooser::Chooser;
 use conveyor::Conveyor;
 use counters::Counters;
-use flow::{Outlet, Ways};
+use flow::Outlet;
 use journal::Journal;
 use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -50,6 +52,7 @@ use station::Station;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use supply::{Source, Store};
+use ways::Ways;
 
 /// Number of events between checks of the wall clock.
 const DEADLINE_CHECK_INTERVAL: u64 = 16;
