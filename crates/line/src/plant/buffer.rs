@@ -302,8 +302,7 @@ impl Run<'_> {
         if was_next {
             self.overtake(node);
             // The next part does not take the turn of one that is gone.
-            let outlet = self.setup.first_outlet[node];
-            self.outlets[outlet].since = None;
+            self.nodes[node].outlet.since = None;
         }
         self.scrap(node, part);
         self.look_at(node);

@@ -29,18 +29,15 @@
 use super::part::PartIndex;
 use super::queue::Request;
 use super::ways::Way;
-use super::{Node, Place, Run};
+use super::{Place, Run};
 use crate::trace::EventKind;
 use linewright_language::contract::line::{Line, NodeKind};
 use std::ops::Range;
 
-/// The point where a node's next part waits to leave.
-#[derive(Debug, Clone, Copy)]
+/// The point where a node's next part waits to leave. The outlet of a node has the number of the
+/// node; those of stores, one for each type that leaves them, are numbered from there on.
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Outlet {
-    /// The node.
-    pub node: usize,
-    /// The only part type that the outlet of a store serves; `None` at other nodes.
-    pub kind: Option<usize>,
     /// The part that would leave; `None` if the outlet is empty.
     pub part: Option<PartIndex>,
     /// Where it goes; `None` if no route applies.
@@ -50,56 +47,70 @@ pub(super) struct Outlet {
     pub since: Option<u64>,
 }
 
-/// The outlets of a line, all empty, and the index of each node's first outlet, followed by the
-/// number of outlets.
-pub(super) fn outlets(line: &Line) -> (Vec<Outlet>, Vec<usize>) {
-    let mut outlets = Vec::new();
-    let mut first = Vec::new();
-    for (node, declared) in line.nodes.iter().enumerate() {
-        first.push(outlets.len());
-        let outlet = |kind| Outlet {
-            node,
-            kind,
-            part: None,
-            to: None,
-            since: None,
-        };
-        match declared.kind {
-            NodeKind::Sink { .. } => {}
-            NodeKind::Store { .. } => outlets.extend(
-                (0..line.parts.len())
-                    .filter(|&part| {
-                        line.routes
-                            .iter()
-                            .any(|route| route.from == node && route.part == part)
-                    })
-                    .map(|part| outlet(Some(part))),
-            ),
-            _ => outlets.push(outlet(None)),
-        }
-    }
-    first.push(outlets.len());
-    (outlets, first)
+/// The outlets of stores: for each, the store, and the only part type that it serves.
+pub(super) fn store_outlets(line: &Line) -> Vec<(usize, usize)> {
+    let nodes = line.nodes.iter().enumerate();
+    let stores = nodes.filter(|(_, declared)| matches!(declared.kind, NodeKind::Store { .. }));
+    let outlets =
+        stores.flat_map(|(store, _)| (0..line.parts.len()).map(move |kind| (store, kind)));
+    let leaves = |&(store, kind): &(usize, usize)| {
+        let mut routes = line.routes.iter();
+        routes.any(|route| route.from == store && route.part == kind)
+    };
+    outlets.filter(leaves).collect()
 }
 
 impl Run<'_> {
     /// The outlets of a node.
     pub(super) fn outlets_of(&self, node: usize) -> Range<usize> {
-        self.setup.first_outlet[node]..self.setup.first_outlet[node + 1]
+        match &self.nodes[node].place {
+            Place::Store(store) => {
+                let first = self.nodes.len();
+                first + store.outlets.start..first + store.outlets.end
+            }
+            _ => node..node + 1,
+        }
+    }
+
+    /// An outlet.
+    #[inline]
+    pub(super) fn outlet(&self, outlet: usize) -> &Outlet {
+        match self.nodes.get(outlet) {
+            Some(node) => &node.outlet,
+            None => &self.store_outlets[outlet - self.nodes.len()],
+        }
+    }
+
+    /// An outlet.
+    #[inline]
+    pub(super) fn outlet_mut(&mut self, outlet: usize) -> &mut Outlet {
+        let count = self.nodes.len();
+        match self.nodes.get_mut(outlet) {
+            Some(node) => &mut node.outlet,
+            None => &mut self.store_outlets[outlet - count],
+        }
     }
 
     /// Schedules the node to be examined again.
+    #[inline]
     pub(super) fn look_at(&mut self, node: usize) {
-        self.agenda.push(node);
+        self.agenda.push(node, &mut self.nodes[node].is_listed);
+    }
+
+    /// Whether nothing must move any more, because the run ends.
+    #[inline]
+    fn is_over(&self) -> bool {
+        self.end.is_some() || self.progress.is_stuck_at_instant()
     }
 
     /// Examines nodes until nothing moves any more at this instant.
     pub(super) fn settle(&mut self) {
-        while self.end.is_none()
-            && let Some(node) = self.agenda.pop()
-        {
+        if self.is_over() {
+            return;
+        }
+        while let Some(node) = self.agenda.pop() {
             self.examine(node);
-            if self.progress.is_stuck_at_instant() {
+            if self.is_over() {
                 break;
             }
         }
@@ -107,131 +118,156 @@ impl Run<'_> {
 
     /// Moves a node's next parts to its outlets, or lets a station join. Then gives the node's room
     /// to the parts that wait for it.
+    #[inline]
     fn examine(&mut self, node: usize) {
-        let Node { place, outlet, .. } = &self.nodes[node];
-        let outlet = *outlet;
-        match place {
+        let examined = &mut self.nodes[node];
+        examined.is_listed = false;
+        match &examined.place {
             Place::Station(station) => {
                 if station.joins_some() {
                     self.station_ready(node);
+                    if self.is_over() {
+                        return;
+                    }
                 }
                 self.serve(node);
                 self.begin_wait(node);
-                return;
             }
-            Place::Belt(_) | Place::Sink => {}
             Place::Buffer(_) => {
-                while self.is_free(outlet)
-                    && let Place::Buffer(buffer) = &self.nodes[node].place
+                while let examined = &self.nodes[node]
+                    && examined.outlet.part.is_none()
+                    && let Place::Buffer(buffer) = &examined.place
                     && let Some(next) = buffer.first()
                 {
-                    self.offer(outlet, next);
+                    self.offer(node, node, next);
+                    if self.is_over() {
+                        return;
+                    }
                 }
+                self.serve(node);
             }
+            _ => self.examine_other(node),
+        }
+    }
+
+    /// Examines a node that is neither a station nor a buffer.
+    fn examine_other(&mut self, node: usize) {
+        match &self.nodes[node].place {
             Place::Source(_) => {
-                while self.is_free(outlet)
+                while self.is_free(node)
                     && let Some(next) = self.make(node)
                 {
-                    self.offer(outlet, next);
+                    self.offer(node, node, next);
                 }
             }
             Place::Conveyor(_) => {
-                while self.is_free(outlet)
+                while self.is_free(node)
                     && let Some(next) = self.conveyor_end(node)
                 {
-                    self.offer(outlet, next);
+                    self.offer(node, node, next);
                 }
-                self.serve(node);
-                self.reopen_later(node);
-                return;
             }
             Place::Store(_) => {
                 for outlet in self.outlets_of(node) {
                     while self.is_free(outlet)
                         && let Some(next) = self.give_out(node, outlet)
                     {
-                        self.offer(outlet, next);
+                        self.offer(node, outlet, next);
                     }
                 }
             }
+            Place::Belt(_) | Place::Sink | Place::Station(_) | Place::Buffer(_) => {}
         }
-        self.serve(node);
+        if !self.is_over() {
+            self.serve(node);
+            self.reopen_later(node);
+        }
     }
 
     /// Whether an outlet can take another part, and the run goes on.
-    #[inline]
     fn is_free(&self, outlet: usize) -> bool {
-        self.outlets[outlet].part.is_none()
-            && self.end.is_none()
-            && !self.progress.is_stuck_at_instant()
+        self.outlet(outlet).part.is_none() && !self.is_over()
     }
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
-    pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
+    pub(super) fn offer(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
-        let node = self.outlets[outlet].node;
         let way = self.way(node, part);
-        let offered = &mut self.outlets[outlet];
+        let offered = self.outlet_mut(outlet);
         let since = offered.since.take();
-        offered.part = Some(part);
-        offered.to = way;
-        let Some(way) = way else { return };
-        if let Some(to) = way.only {
-            let to = to as usize;
-            let admitted = self.admits(to, kind, node);
-            if admitted && !self.others_first(to, None) && !self.bill_first(to, kind) {
-                self.transfer(outlet, to);
-                return;
+        let Some(way) = way else {
+            offered.part = Some(part);
+            return;
+        };
+        let routes = self.setup.ways.routes(way);
+        let place = match routes.only {
+            Some(to) => Some(to as usize).filter(|to| self.admits_newcomer(*to, kind, node)),
+            None => self.choose(way, |to| self.admits_newcomer(*to, kind, node)),
+        };
+        if let Some(to) = place {
+            if routes.choice.is_some() {
+                self.take_chosen_way(node, outlet, to, way);
             }
-            self.request(outlet, to, kind, since);
-            if admitted {
-                // An older request or a complete bill goes first, so the node is examined to serve
-                // it.
-                self.look_at(to);
-            }
-        } else if let Some(to) = self.free_place(outlet, way) {
-            self.transfer(outlet, to);
-        } else {
-            let setup = self.setup;
-            for &to in setup.ways.to(way) {
-                self.request(outlet, to, kind, since);
-                if self.admits(to, kind, node) {
-                    self.look_at(to);
+            self.hand_over(node, to, part);
+            return;
+        }
+        *self.outlet_mut(outlet) = Outlet {
+            part: Some(part),
+            to: Some(way),
+            since: None,
+        };
+        match routes.only {
+            Some(to) => self.request_newly(node, outlet, to as usize, kind, since),
+            None => {
+                let setup = self.setup;
+                for &to in setup.ways.to(way) {
+                    self.request_newly(node, outlet, to, kind, since);
                 }
             }
         }
     }
 
-    /// The place to which a newcomer can go at once, of those at the ends of its way.
-    fn free_place(&self, outlet: usize, way: Way) -> Option<usize> {
-        let Outlet { node, part, .. } = self.outlets[outlet];
-        let kind = self.parts[part?].kind;
-        self.choose(way, |to: &usize| {
-            self.admits(*to, kind, node)
-                && !self.others_first(*to, Some(outlet))
-                && !self.bill_first(*to, kind)
-        })
+    /// Registers that a newcomer waits for a node. If the node has room for it, an older request or
+    /// a complete bill goes first, so the node is examined to serve it.
+    #[inline]
+    fn request_newly(
+        &mut self,
+        from: usize,
+        outlet: usize,
+        to: usize,
+        kind: usize,
+        since: Option<u64>,
+    ) {
+        self.request(from, outlet, to, kind, since);
+        if self.admits(to, kind, from) {
+            self.look_at(to);
+        }
     }
 
     /// Registers that the outlet waits for a node. With `since`, it takes the turn of an earlier
     /// request with this sequence number.
-    pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
-        let mut request = Request {
-            order: 0,
+    #[inline]
+    pub(super) fn request(
+        &mut self,
+        from: usize,
+        outlet: usize,
+        to: usize,
+        kind: usize,
+        since: Option<u64>,
+    ) {
+        let request = |order| Request {
+            order,
             outlet: outlet as u32,
             kind: kind as u32,
-            from: self.outlets[outlet].node as u32,
+            from: from as u32,
             declined: false,
         };
         match since {
             None => {
-                request.order = self.next_number();
+                let request = request(self.next_number());
                 self.nodes[to].requests.push(request);
             }
-            Some(order) => {
-                request.order = order;
-                self.nodes[to].requests.insert(request);
-            }
+            Some(order) => self.nodes[to].requests.insert(request(order)),
         }
         match self.nodes[to].place {
             Place::Conveyor(_) => self.reopen_later(to),
@@ -267,28 +303,31 @@ impl Run<'_> {
     #[inline]
     pub(super) fn admits(&self, node: usize, kind: usize, from: usize) -> bool {
         match &self.nodes[node].place {
+            Place::Buffer(buffer) => buffer.has_room(),
+            Place::Station(station) => station.admits(kind),
             Place::Source(_) => false,
             Place::Sink | Place::Store(_) => true,
-            Place::Buffer(buffer) => buffer.has_room(),
-            Place::Conveyor(_) => self.conveyor_admits(node),
+            Place::Conveyor(conveyor) => conveyor.admits(self.now),
             Place::Belt(belt) => {
                 matches!(self.nodes[from].place, Place::Belt(_)) && belt.inlet.is_none()
             }
-            Place::Station(station) => station.admits(kind),
         }
+    }
+
+    /// Whether a part that has just become ready to leave can go to a node at once: the node has
+    /// room for it, and no part that came before would take this room.
+    #[inline]
+    fn admits_newcomer(&self, node: usize, kind: usize, from: usize) -> bool {
+        self.admits(node, kind, from)
+            && (self.nodes[node].requests.is_empty() || !self.others_first(node, None))
+            && !self.bill_first(node, kind)
     }
 
     /// Whether a part that has waited longer for a node than outlet `own` (or than a newcomer)
     /// could go there now.
-    #[inline]
     pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
-        let requests = &self.nodes[node].requests;
-        if requests.is_empty() {
-            return false;
-        }
-        let mut earlier = requests
-            .iter()
-            .take_while(|request| Some(request.outlet as usize) != own);
+        let requests = self.nodes[node].requests.iter();
+        let mut earlier = requests.take_while(|request| Some(request.outlet as usize) != own);
         earlier.any(|request| self.admits(node, request.kind as usize, request.from as usize))
     }
 
@@ -307,9 +346,6 @@ impl Run<'_> {
     fn serve(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&request) = self.nodes[node].requests.get(next) {
-            if self.end.is_some() || self.progress.is_stuck_at_instant() {
-                return;
-            }
             let from = request.from as usize;
             if !self.admits(node, request.kind as usize, from) {
                 next += 1;
@@ -323,7 +359,10 @@ impl Run<'_> {
                 break;
             } else {
                 self.nodes[node].requests.remove(next);
-                self.transfer(request.outlet as usize, node);
+                self.transfer(from, request.outlet as usize, node);
+                if self.is_over() {
+                    break;
+                }
                 next = 0;
             }
         }
@@ -331,54 +370,80 @@ impl Run<'_> {
 
     /// Moves an outlet's part to this place at the end of its way. The caller has checked that the
     /// place has room for it, and has removed the outlet's request to it.
-    #[inline(never)]
-    pub(super) fn transfer(&mut self, outlet: usize, to: usize) {
-        let Outlet {
-            node,
-            ref mut part,
-            to: ref mut way,
-            ..
-        } = self.outlets[outlet];
-        let (Some(part), Some(way)) = (part.take(), way.take()) else {
+    #[inline]
+    pub(super) fn transfer(&mut self, from: usize, outlet: usize, to: usize) {
+        let left = self.outlet_mut(outlet);
+        let (Some(part), Some(way)) = (left.part.take(), left.to.take()) else {
             return;
         };
-        if way.choice.is_some() {
-            self.take_chosen_way(outlet, to, way);
+        if self.setup.ways.routes(way).choice.is_some() {
+            self.take_chosen_way(from, outlet, to, way);
         }
+        self.hand_over(from, to, part);
+    }
+
+    /// Moves a part from one node to another.
+    #[inline(never)]
+    fn hand_over(&mut self, from: usize, to: usize, part: PartIndex) {
         self.progress.count_movement();
-        match &mut self.nodes[node].place {
-            Place::Buffer(buffer) => buffer.take(self.now),
-            Place::Station(_) => {
-                self.end_wait(node);
-                self.station_left(node);
-                self.parts[part].came_from = Some(node as u32);
+        let now = self.now;
+        match &mut self.nodes[from].place {
+            Place::Buffer(buffer) => buffer.take(now),
+            Place::Station(station) => {
+                self.parts[part].came_from = Some(from as u32);
+                if station.waits.is_waiting() {
+                    self.end_wait(from);
+                }
+                self.station(from).clear(now);
             }
+            _ => self.leave_other(from, to, part),
+        }
+        self.record(from, Some(part), EventKind::Left);
+        self.look_at(from);
+        match &mut self.nodes[to].place {
+            Place::Buffer(buffer) => {
+                let arrival = buffer.put(part, &self.parts[part], now);
+                self.record(to, Some(part), EventKind::Arrived);
+                self.buffer_arrival(to, &arrival);
+            }
+            Place::Station(_) => self.station_arrival(to, part),
+            Place::Sink => self.sink(to, part),
+            Place::Store(_) => self.store(to, part),
+            Place::Conveyor(_) => self.conveyor_arrival(to, part),
+            Place::Belt(_) => self.belt_arrival(from, to, part),
+            Place::Source(_) => {}
+        }
+    }
+
+    /// A part leaves a node that is neither a station nor a buffer.
+    #[inline(never)]
+    fn leave_other(&mut self, from: usize, to: usize, part: PartIndex) {
+        match &mut self.nodes[from].place {
             Place::Store(store) => {
                 store.left(self.parts[part].kind);
-                self.enter(node, part);
+                self.enter(from, part);
             }
             Place::Source(source) => {
                 let to = &self.line.nodes[to].kind;
                 let is_lost = matches!(to, NodeKind::Sink { reject: true, .. });
                 source.left(self.now, is_lost);
-                self.enter(node, part);
+                self.enter(from, part);
             }
-            Place::Conveyor(_) => self.conveyor_left(node),
-            Place::Belt(_) => self.belt_left(node),
-            Place::Sink => {}
+            Place::Conveyor(conveyor) => conveyor.left(self.now),
+            Place::Belt(_) => self.belt_left(from),
+            Place::Sink | Place::Station(_) | Place::Buffer(_) => {}
         }
-        self.record(node, Some(part), EventKind::Left);
-        self.look_at(node);
-        self.arrive(node, to, part);
     }
 
     /// A part takes one of the routes between which it could choose: it no longer waits at the ends
     /// of the others.
-    fn take_chosen_way(&mut self, outlet: usize, to: usize, way: Way) {
-        let Some(choice) = way.choice else { return };
-        self.choosers[choice as usize].chosen();
-        let from = self.outlets[outlet].node;
+    #[inline(never)]
+    fn take_chosen_way(&mut self, from: usize, outlet: usize, to: usize, way: Way) {
         let setup = self.setup;
+        let Some(choice) = setup.ways.routes(way).choice else {
+            return;
+        };
+        self.choosers[choice as usize].chosen();
         for &other in setup.ways.to(way) {
             let withdrawn = other != to && self.nodes[other].requests.withdraw(outlet).is_some();
             if withdrawn && matches!(self.nodes[from].place, Place::Belt(_)) {
@@ -388,38 +453,21 @@ impl Run<'_> {
         }
     }
 
-    #[inline]
-    fn arrive(&mut self, from: usize, node: usize, part: PartIndex) {
-        match &mut self.nodes[node].place {
-            Place::Sink => self.sink(node, part),
-            Place::Store(_) => self.store(node, part),
-            Place::Buffer(buffer) => {
-                let arrival = buffer.put(part, &self.parts[part], self.now);
-                self.record(node, Some(part), EventKind::Arrived);
-                self.buffer_arrival(node, &arrival);
-            }
-            Place::Station(_) => self.station_arrival(node, part),
-            Place::Conveyor(_) => self.conveyor_arrival(node, part),
-            Place::Belt(_) => self.belt_arrival(from, node, part),
-            Place::Source(_) => {}
-        }
-    }
-
     /// Lets another part of a buffer leave next than the one that waits, if any. It takes the turn
     /// of that part.
-    pub(super) fn overtake(&mut self, node: usize) {
+    pub(super) fn overtake(&mut self, buffer: usize) {
         let setup = self.setup;
-        let outlet = setup.first_outlet[node];
-        let Outlet { part, to, .. } = &mut self.outlets[outlet];
-        if part.take().is_some()
-            && let Some(way) = to.take()
+        let outlet = &mut self.nodes[buffer].outlet;
+        if outlet.part.take().is_some()
+            && let Some(way) = outlet.to.take()
         {
             for &to in setup.ways.to(way) {
-                let withdrawn = self.nodes[to].requests.withdraw(outlet);
+                let withdrawn = self.nodes[to].requests.withdraw(buffer);
                 let since = withdrawn.map(|request| request.order);
-                self.outlets[outlet].since = since.or(self.outlets[outlet].since);
+                let outlet = &mut self.nodes[buffer].outlet;
+                outlet.since = since.or(outlet.since);
             }
         }
-        self.look_at(node);
+        self.look_at(buffer);
     }
 }

@@ -1,11 +1,12 @@
 //! Mobile units: their storage and composition.
 
 use linewright_language::contract::line::{InitialValue, Line};
+use std::num::NonZeroU32;
 use std::ops::{Index, IndexMut};
 
 /// Index of a part in [`Parts`]; reused after the part is gone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct PartIndex(u32);
+pub(super) struct PartIndex(NonZeroU32);
 
 /// One mobile unit.
 #[derive(Debug, Clone, Default)]
@@ -67,11 +68,22 @@ impl Part {
 
 /// All existing parts. Slots of removed parts are reused, so that a run needs memory only for what
 /// is in the line.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Parts {
+    /// The first slot is not used.
     slots: Vec<Part>,
-    free: Vec<u32>,
+    free: Vec<PartIndex>,
     made: u64,
+}
+
+impl Default for Parts {
+    fn default() -> Self {
+        Self {
+            slots: vec![Part::default()],
+            free: Vec::new(),
+            made: 0,
+        }
+    }
 }
 
 impl Parts {
@@ -86,9 +98,9 @@ impl Parts {
         self.made += 1;
         let index = self.free.pop().unwrap_or_else(|| {
             self.slots.push(Part::default());
-            self.slots.len() as u32 - 1
+            PartIndex(NonZeroU32::MIN.saturating_add(self.slots.len() as u32 - 2))
         });
-        let slot = &mut self.slots[index as usize];
+        let slot = &mut self[index];
         let mut properties = std::mem::take(&mut slot.properties);
         properties.clear();
         let mut more_visits = std::mem::take(&mut slot.more_visits);
@@ -101,7 +113,7 @@ impl Parts {
                     .unwrap_or(0.0),
             });
         }
-        self.slots[index as usize] = Part {
+        self[index] = Part {
             number: self.made,
             kind,
             entered: false,
@@ -116,12 +128,12 @@ impl Parts {
             more_visits,
             properties,
         };
-        PartIndex(index)
+        index
     }
 
     /// Removes a part.
     pub(super) fn remove(&mut self, part: PartIndex) {
-        self.free.push(part.0);
+        self.free.push(part);
     }
 }
 
@@ -129,13 +141,13 @@ impl Index<PartIndex> for Parts {
     type Output = Part;
 
     fn index(&self, part: PartIndex) -> &Part {
-        &self.slots[part.0 as usize]
+        &self.slots[part.0.get() as usize]
     }
 }
 
 impl IndexMut<PartIndex> for Parts {
     fn index_mut(&mut self, part: PartIndex) -> &mut Part {
-        &mut self.slots[part.0 as usize]
+        &mut self.slots[part.0.get() as usize]
     }
 }
 

@@ -22,8 +22,8 @@ pub(super) struct Station {
     first_copy: u32,
     /// Part type of each task.
     kinds: Vec<usize>,
-    /// By task: whether it works on arriving parts of its type without joining.
-    plain: Vec<bool>,
+    /// By part type: the first task that works on arriving parts of this type without joining.
+    plain: Vec<Option<u32>>,
     pub phase: Phase,
     /// The part in work, or the finished part that waits to leave.
     pub part: Option<PartIndex>,
@@ -128,10 +128,11 @@ impl Station {
         Self {
             bills,
             first_copy,
-            plain: tasks
-                .iter()
-                .map(|task| {
-                    line.parts[task.part].bill.is_empty() || line.is_brought(node, task.part)
+            plain: (0..line.parts.len())
+                .map(|kind| {
+                    let is_plain = line.parts[kind].bill.is_empty() || line.is_brought(node, kind);
+                    let task = tasks.iter().position(|task| is_plain && task.part == kind);
+                    task.map(|task| task as u32)
                 })
                 .collect(),
             kinds: tasks.iter().map(|task| task.part).collect(),
@@ -178,12 +179,15 @@ impl Station {
         self.lacks(kind) || (self.can_begin() && self.plain_task(kind).is_some())
     }
 
-    /// Whether the station can begin to work on a part.
+    /// Whether the station can begin to work on a part: it has none, is on shift, and works. Its
+    /// time is booked as starved then, and only then.
+    #[inline]
     fn can_begin(&self) -> bool {
-        self.phase == Phase::Free && self.on_shift && !self.failures.is_failed()
+        self.clock.activity() == Activity::Starved
     }
 
     /// Whether some task joins components.
+    #[inline]
     pub(super) fn joins_some(&self) -> bool {
         !self.bills.is_empty()
     }
@@ -194,6 +198,7 @@ impl Station {
     }
 
     /// Whether there is a free place for a component of this type.
+    #[inline]
     pub(super) fn lacks(&self, kind: usize) -> bool {
         self.component_place(kind).is_some()
     }
@@ -216,8 +221,9 @@ impl Station {
     }
 
     /// The first task that works on this type without joining.
+    #[inline]
     fn plain_task(&self, kind: usize) -> Option<usize> {
-        (0..self.kinds.len()).find(|&task| self.kinds[task] == kind && self.plain[task])
+        self.plain[kind].map(|task| task as usize)
     }
 
     /// Whether the station makes parts of this type from others.
@@ -783,8 +789,11 @@ impl Run<'_> {
         if has_properties && self.refuse_out_of_range(node, part) {
             return;
         }
-        self.offer(self.nodes[node].outlet, part);
-        self.begin_wait(node);
+        self.offer(node, node, part);
+        // If the part has left, the station will be examined, and then waits if no other part comes.
+        if self.station(node).phase == Phase::Done {
+            self.begin_wait(node);
+        }
     }
 
     /// Gives a part the properties that follow from the work on it, and possibly random defects.

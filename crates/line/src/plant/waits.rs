@@ -232,7 +232,7 @@ impl Run<'_> {
 
     /// The place for which the part of a station waits, the first one if there are several.
     fn awaited_place(&self, node: usize) -> Option<usize> {
-        let outlet = &self.outlets[self.setup.first_outlet[node]];
+        let outlet = &self.nodes[node].outlet;
         let way = outlet.part.and(outlet.to)?;
         self.setup.ways.to(way).first().copied()
     }

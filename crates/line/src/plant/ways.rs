@@ -5,20 +5,26 @@ use super::{Place, Run};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Choice, Line};
 use linewright_language::contract::machine::RealExpr;
+use std::num::NonZeroU32;
 use std::ops::Range;
 
-/// The routes of which a part takes one: indices into [`Ways::to`], and the choice to which they
-/// belong.
+/// The routes of which a part takes one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Way {
+pub(super) struct Way(NonZeroU32);
+
+/// What a way consists of.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Routes {
+    /// The routes, as a range of [`Ways::to`].
     first: u32,
     end: u32,
+    /// The choice to which they belong.
     pub choice: Option<u32>,
     /// The place to which the part goes; `None` if it is open to which of several.
     pub only: Option<u32>,
 }
 
-/// Routes by node and part type.
+/// Ways by node and part type.
 pub(super) struct Ways {
     types: usize,
     /// By node and part type: the way, if all parts take the same one.
@@ -26,7 +32,18 @@ pub(super) struct Ways {
     /// By node and part type: range of `all`.
     index: Vec<Range<u32>>,
     all: Vec<(Way, Option<RealExpr>)>,
+    /// By way. That of a choice is followed by one way for each of its routes alone. The first
+    /// entry is not used.
+    routes: Vec<Routes>,
+    /// By route: the place at its end.
     to: Vec<usize>,
+}
+
+impl Way {
+    /// The way that consists only of one route of this way, which belongs to a choice.
+    fn member(self, number: u32) -> Self {
+        Self(self.0.saturating_add(1 + number))
+    }
 }
 
 impl Ways {
@@ -34,16 +51,23 @@ impl Ways {
         let types = line.parts.len();
         let mut by_start: Vec<Vec<(Way, Option<RealExpr>)>> =
             vec![Vec::new(); line.nodes.len() * types];
+        let mut routes = vec![Routes::default()];
         let mut at = 0;
         while at < line.routes.len() {
             let route = &line.routes[at];
             let end = line.end_of_way(at);
-            let way = Way {
-                first: at as u32,
+            let way = Way(NonZeroU32::MIN.saturating_add(routes.len() as u32 - 1));
+            let choice = route.choice.map(|choice| choice as u32);
+            let those = |first: usize, end: usize| Routes {
+                first: first as u32,
                 end: end as u32,
-                choice: route.choice.map(|choice| choice as u32),
-                only: (end == at + 1).then_some(route.to as u32),
+                choice,
+                only: (end == first + 1).then_some(line.routes[first].to as u32),
             };
+            routes.push(those(at, end));
+            if choice.is_some() {
+                routes.extend((at..end).map(|member| those(member, member + 1)));
+            }
             by_start[route.from * types + route.part].push((way, route.condition.clone()));
             at = end;
         }
@@ -52,7 +76,7 @@ impl Ways {
         let mut same = Vec::new();
         for ways in by_start {
             same.push(match ways[..] {
-                [(way, None), ..] if way.choice.is_none() => Some(way),
+                [(way, None), ..] if routes[way.0.get() as usize].choice.is_none() => Some(way),
                 _ => None,
             });
             let first = all.len() as u32;
@@ -64,24 +88,32 @@ impl Ways {
             same,
             index,
             all,
+            routes,
             to: line.routes.iter().map(|route| route.to).collect(),
         }
     }
 
+    /// What a way consists of.
+    #[inline]
+    pub(super) fn routes(&self, way: Way) -> &Routes {
+        &self.routes[way.0.get() as usize]
+    }
+
     /// The places at the ends of a way.
     pub(super) fn to(&self, way: Way) -> &[usize] {
-        &self.to[way.first as usize..way.end as usize]
+        let routes = self.routes(way);
+        &self.to[routes.first as usize..routes.end as usize]
     }
 
     /// The way of a part type from a node, if all parts take the same one.
     #[inline]
-    fn same(&self, node: usize, part: usize) -> Option<Way> {
-        self.same[node * self.types + part]
+    pub(super) fn same(&self, node: usize, kind: usize) -> Option<Way> {
+        self.same[node * self.types + kind]
     }
 
     /// Ways of a part type from a node, in order.
-    pub(super) fn from(&self, node: usize, part: usize) -> &[(Way, Option<RealExpr>)] {
-        let range = &self.index[node * self.types + part];
+    pub(super) fn from(&self, node: usize, kind: usize) -> &[(Way, Option<RealExpr>)] {
+        let range = &self.index[node * self.types + kind];
         &self.all[range.start as usize..range.end as usize]
     }
 }
@@ -95,6 +127,7 @@ impl Run<'_> {
         same.or_else(|| self.chosen_way(node, part))
     }
 
+    #[inline(never)]
     fn chosen_way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
         let Self {
             setup,
@@ -113,18 +146,9 @@ impl Run<'_> {
                     .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
             });
         if let Some(&(way, _)) = way {
-            let chosen = way
-                .choice
-                .and_then(|choice| choosers[choice as usize].choose());
-            return Some(match chosen {
-                None => way,
-                Some(member) => Way {
-                    first: way.first + member,
-                    end: way.first + member + 1,
-                    only: Some(setup.ways.to[(way.first + member) as usize] as u32),
-                    ..way
-                },
-            });
+            let choice = setup.ways.routes(way).choice;
+            let chosen = choice.and_then(|choice| choosers[choice as usize].choose());
+            return Some(chosen.map_or(way, |number| way.member(number)));
         }
         let (kind, number) = (part.kind, part.number);
         if !self.journal.unroutable.contains(&(node, kind)) {
@@ -148,8 +172,13 @@ impl Run<'_> {
     /// Of the places at the ends of a way that take a part, the first one or, for the shortest
     /// queue, the first with the fewest parts.
     pub(super) fn choose(&self, way: Way, takes: impl Fn(&usize) -> bool) -> Option<usize> {
-        let mut places = self.setup.ways.to(way).iter().copied().filter(takes);
-        match way.choice.map(|choice| &self.line.choices[choice as usize]) {
+        let ways = &self.setup.ways;
+        let mut places = ways.to(way).iter().copied().filter(takes);
+        match ways
+            .routes(way)
+            .choice
+            .map(|choice| &self.line.choices[choice as usize])
+        {
             Some(Choice::ShortestQueue) => places.min_by_key(|to| self.load(*to)),
             _ => places.next(),
         }
