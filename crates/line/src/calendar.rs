@@ -1,20 +1,22 @@
 //! Event calendar: future events in time order.
 //!
-//! A binary heap by time, then priority, then sequence number. Simulated seconds are never negative
-//! and never NaN, and the bit patterns of such numbers have the same order as the numbers. Keys are
-//! therefore compared as integers. The sequence number makes the order total: two events with the
-//! same time and priority happen in the order in which they were scheduled, on every platform.
+//! Events are ordered by time, then priority, then sequence number. Simulated seconds are never
+//! negative and never NaN, and the bit patterns of such numbers have the same order as the numbers.
+//! Keys are therefore compared as integers. The sequence number makes the order total: two events
+//! with the same time and priority happen in the order in which they were scheduled, on every
+//! platform.
 //!
-//! Most events schedule another one. Taking an event therefore leaves a gap at the top of the heap.
-//! The next event that is scheduled fills the gap, so that the heap is put in order once, not
-//! twice.
+//! The next few events are kept in order, the later ones in a binary heap. So the calendar of a
+//! small line is a short sorted list, which is faster than a heap, and that of a large line takes
+//! logarithmic time.
 
 /// Future events, sorted by time; see the module documentation.
 #[derive(Debug, Clone)]
 pub struct Calendar<E> {
-    heap: Vec<Entry<E>>,
-    /// Whether the first entry was taken.
-    gap: bool,
+    /// The next events, the very next one last. Empty only if there are no events.
+    near: Vec<Entry<E>>,
+    /// All other events, none of them earlier than one that is near, as a binary heap.
+    far: Vec<Entry<E>>,
     scheduled: u64,
 }
 
@@ -27,12 +29,15 @@ struct Entry<E> {
 /// Number of key bits for the sequence number; the eight bits above hold the priority.
 const NUMBER_BITS: u32 = 56;
 
+/// Maximum number of events that are kept in order.
+const NEAR: usize = 12;
+
 impl<E: Copy> Calendar<E> {
     /// Creates an empty calendar.
     pub fn new() -> Self {
         Self {
-            heap: Vec::new(),
-            gap: false,
+            near: Vec::with_capacity(NEAR + 1),
+            far: Vec::new(),
             scheduled: 0,
         }
     }
@@ -53,11 +58,10 @@ impl<E: Copy> Calendar<E> {
             key: u128::from(time.to_bits()) << 64 | u128::from(order),
             event,
         };
-        if self.gap {
-            self.gap = false;
-            self.put_down(entry);
+        if self.far.first().is_some_and(|first| first.key < entry.key) {
+            self.put_far(entry);
         } else {
-            self.put_up(entry);
+            self.put_near(entry);
         }
     }
 
@@ -65,51 +69,82 @@ impl<E: Copy> Calendar<E> {
     /// time logarithmic in the number of events.
     #[inline]
     pub fn take(&mut self) -> Option<(f64, E)> {
-        if self.gap {
-            self.gap = false;
-            let last = self.heap.pop()?;
-            if !self.heap.is_empty() {
-                self.put_down(last);
-            }
+        let first = self.near.pop()?;
+        if self.near.is_empty() && !self.far.is_empty() {
+            self.bring_near();
         }
-        let first = self.heap.first()?;
-        self.gap = true;
         Some((time_of(first.key), first.event))
     }
 
     /// Number of events.
     pub fn len(&self) -> usize {
-        self.heap.len() - usize::from(self.gap)
+        self.near.len() + self.far.len()
     }
 
     /// Whether there are no events.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.near.is_empty()
     }
 
-    /// Puts an entry in place of the first one.
-    fn put_down(&mut self, entry: Entry<E>) {
-        let heap = &mut self.heap[..];
+    /// Adds an entry that is earlier than all far ones.
+    #[inline]
+    fn put_near(&mut self, entry: Entry<E>) {
+        self.near.push(entry);
+        let near = &mut self.near[..];
+        let mut at = near.len() - 1;
+        while at > 0 && near[at - 1].key < entry.key {
+            near[at] = near[at - 1];
+            at -= 1;
+        }
+        near[at] = entry;
+        if near.len() > NEAR {
+            self.put_away();
+        }
+    }
+
+    /// Puts the latest of too many near entries with the far ones.
+    fn put_away(&mut self) {
+        let latest = self.near.remove(0);
+        self.put_far(latest);
+    }
+
+    /// Makes some far entries the near ones.
+    fn bring_near(&mut self) {
+        for _ in 0..NEAR / 2 {
+            let Some(next) = self.take_far() else { break };
+            self.near.push(next);
+        }
+        self.near.reverse();
+    }
+
+    /// Removes and returns the first entry of the heap.
+    fn take_far(&mut self) -> Option<Entry<E>> {
+        let last = self.far.pop()?;
+        let Some(&first) = self.far.first() else {
+            return Some(last);
+        };
+        let heap = &mut self.far[..];
         let mut at = 0;
         loop {
             let mut child = 2 * at + 1;
             if child + 1 < heap.len() && heap[child + 1].key < heap[child].key {
                 child += 1;
             }
-            if child >= heap.len() || entry.key <= heap[child].key {
+            if child >= heap.len() || last.key <= heap[child].key {
                 break;
             }
             heap[at] = heap[child];
             at = child;
         }
-        heap[at] = entry;
+        heap[at] = last;
+        Some(first)
     }
 
-    /// Adds an entry at the end.
-    fn put_up(&mut self, entry: Entry<E>) {
-        let mut at = self.heap.len();
-        self.heap.push(entry);
-        let heap = &mut self.heap[..];
+    /// Adds an entry to the heap.
+    fn put_far(&mut self, entry: Entry<E>) {
+        let mut at = self.far.len();
+        self.far.push(entry);
+        let heap = &mut self.far[..];
         while at > 0 {
             let parent = (at - 1) / 2;
             if heap[parent].key <= entry.key {
@@ -152,5 +187,26 @@ mod tests {
             ["first", "a", "b", "c", "d", "e", "f"]
         );
         assert_eq!(order[1].0.to_bits(), 1.0_f64.to_bits());
+    }
+
+    #[test]
+    fn many_events_come_in_order() {
+        let mut chance = crate::random::Stream::from_seed(5);
+        let mut calendar = Calendar::new();
+        let mut pending = Vec::new();
+        let mut now = 0.0;
+        for number in 0..20_000_u32 {
+            // Grows to hundreds of events, and shrinks again.
+            for _ in 0..chance.below(if number % 2000 < 1000 { 4 } else { 2 }) {
+                let time = now + chance.below(50) as f64;
+                calendar.schedule(time, 0, number);
+                pending.push((time, number));
+            }
+            let next = (0..pending.len()).min_by(|a, b| pending[*a].0.total_cmp(&pending[*b].0));
+            let next = next.map(|index| pending.remove(index));
+            assert_eq!(calendar.take(), next);
+            assert_eq!(calendar.len(), pending.len());
+            now = next.map_or(now, |(time, _)| time);
+        }
     }
 }

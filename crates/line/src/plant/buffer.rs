@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, VecDeque};
 /// State of a buffer.
 #[derive(Debug)]
 pub(super) struct Buffer {
-    capacity: u64,
+    capacity: u32,
     order: BufferOrder,
     ready: Ready,
     /// Number of parts that have come.
@@ -77,7 +77,7 @@ pub(super) struct Arrival {
 impl Buffer {
     pub(super) fn new(capacity: u32, order: &BufferOrder) -> Self {
         Self {
-            capacity: u64::from(capacity),
+            capacity,
             order: order.clone(),
             ready: match order {
                 BufferOrder::FirstIn => Ready::Queue(VecDeque::new()),
@@ -88,7 +88,7 @@ impl Buffer {
             resting: BTreeMap::new(),
             shelf_life: None,
             expiries: VecDeque::new(),
-            level: Level::new(Some(u64::from(capacity))),
+            level: Level::new(Some(capacity)),
             waits: Waits::default(),
             expired: 0,
         }

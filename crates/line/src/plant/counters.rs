@@ -81,7 +81,7 @@ impl Counters {
     pub(super) fn forget(&mut self, line: &Line, now: f64, seed: u64) {
         self.units.forget(now);
         *self = Self {
-            before: self.units.level(),
+            before: u64::from(self.units.level()),
             units: self.units.clone(),
             in_line: std::mem::take(&mut self.in_line),
             observations: self.observations.take(),

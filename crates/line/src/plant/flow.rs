@@ -29,7 +29,7 @@
 use super::part::PartIndex;
 use super::queue::Request;
 use super::ways::Way;
-use super::{Place, Run};
+use super::{Node, Place, Run};
 use crate::trace::EventKind;
 use linewright_language::contract::line::{Line, NodeKind};
 use std::ops::Range;
@@ -200,47 +200,55 @@ impl Run<'_> {
             return;
         };
         let routes = self.setup.ways.routes(way);
-        let place = match routes.only {
-            Some(to) => Some(to as usize).filter(|to| self.admits_newcomer(*to, kind, node)),
-            None => self.choose(way, |to| self.admits_newcomer(*to, kind, node)),
+        let Some(to) = routes.only else {
+            self.offer_to_several(node, outlet, part, way, since);
+            return;
         };
-        if let Some(to) = place {
+        let to = to as usize;
+        let admitted = self.admits(to, kind, node);
+        if admitted && self.is_first(to, kind) {
             if routes.choice.is_some() {
                 self.take_chosen_way(node, outlet, to, way);
             }
             self.hand_over(node, to, part);
             return;
         }
-        *self.outlet_mut(outlet) = Outlet {
-            part: Some(part),
-            to: Some(way),
-            since: None,
-        };
-        match routes.only {
-            Some(to) => self.request_newly(node, outlet, to as usize, kind, since),
-            None => {
-                let setup = self.setup;
-                for &to in setup.ways.to(way) {
-                    self.request_newly(node, outlet, to, kind, since);
-                }
-            }
+        let offered = self.outlet_mut(outlet);
+        offered.part = Some(part);
+        offered.to = Some(way);
+        self.request(node, outlet, to, kind, since);
+        if admitted {
+            // An older request or a complete bill goes first, so the node is examined to serve it.
+            self.look_at(to);
         }
     }
 
-    /// Registers that a newcomer waits for a node. If the node has room for it, an older request or
-    /// a complete bill goes first, so the node is examined to serve it.
-    #[inline]
-    fn request_newly(
+    /// Moves a part to one of the places at the ends of its way, or lets it wait for all of them.
+    #[inline(never)]
+    fn offer_to_several(
         &mut self,
-        from: usize,
+        node: usize,
         outlet: usize,
-        to: usize,
-        kind: usize,
+        part: PartIndex,
+        way: Way,
         since: Option<u64>,
     ) {
-        self.request(from, outlet, to, kind, since);
-        if self.admits(to, kind, from) {
-            self.look_at(to);
+        let kind = self.parts[part].kind;
+        let is_free = |to: &usize| self.admits(*to, kind, node) && self.is_first(*to, kind);
+        if let Some(to) = self.choose(way, is_free) {
+            self.take_chosen_way(node, outlet, to, way);
+            self.hand_over(node, to, part);
+            return;
+        }
+        let offered = self.outlet_mut(outlet);
+        offered.part = Some(part);
+        offered.to = Some(way);
+        let setup = self.setup;
+        for &to in setup.ways.to(way) {
+            self.request(node, outlet, to, kind, since);
+            if self.admits(to, kind, node) {
+                self.look_at(to);
+            }
         }
     }
 
@@ -314,13 +322,17 @@ impl Run<'_> {
         }
     }
 
-    /// Whether a part that has just become ready to leave can go to a node at once: the node has
-    /// room for it, and no part that came before would take this room.
+    /// Whether no part that came before a newcomer of this type would take its room at a node.
     #[inline]
-    fn admits_newcomer(&self, node: usize, kind: usize, from: usize) -> bool {
-        self.admits(node, kind, from)
-            && (self.nodes[node].requests.is_empty() || !self.others_first(node, None))
-            && !self.bill_first(node, kind)
+    fn is_first(&self, node: usize, kind: usize) -> bool {
+        let Node {
+            place, requests, ..
+        } = &self.nodes[node];
+        let bill_first = match place {
+            Place::Station(station) => station.joins_some() && station.bill_first(kind),
+            _ => false,
+        };
+        !bill_first && (requests.is_empty() || !self.others_first(node, None))
     }
 
     /// Whether a part that has waited longer for a node than outlet `own` (or than a newcomer)
@@ -331,19 +343,15 @@ impl Run<'_> {
         earlier.any(|request| self.admits(node, request.kind as usize, request.from as usize))
     }
 
-    /// Whether the components of a complete bill wait at a node for the same work as a newcomer of
-    /// this type. They arrived before it.
-    #[inline]
-    fn bill_first(&self, node: usize, kind: usize) -> bool {
-        match &self.nodes[node].place {
-            Place::Station(station) => station.has_complete_bill() && !station.lacks(kind),
-            _ => false,
-        }
-    }
-
     /// Admits waiting parts to a node as long as there is room; see [Turns](self#turns).
     #[inline]
     fn serve(&mut self, node: usize) {
+        if !self.nodes[node].requests.is_empty() {
+            self.serve_requests(node);
+        }
+    }
+
+    fn serve_requests(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&request) = self.nodes[node].requests.get(next) {
             let from = request.from as usize;

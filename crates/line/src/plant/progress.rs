@@ -155,7 +155,7 @@ impl Run<'_> {
         monitor.write(Snapshot {
             now: self.now,
             share: of_time.max(of_products).min(1.0),
-            wip: self.counters.units.level(),
+            wip: u64::from(self.counters.units.level()),
             throughput_per_hour: if counted > 0.0 {
                 products * 3600.0 / counted
             } else {

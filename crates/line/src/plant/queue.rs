@@ -125,7 +125,7 @@ impl Agenda {
     #[cold]
     fn make_room(&mut self) {
         self.nodes.drain(..std::mem::take(&mut self.removed));
-        self.nodes.reserve(self.nodes.len().max(8));
+        self.nodes.reserve(self.nodes.len().max(64));
     }
 
     /// Removes and returns the next node.

@@ -176,7 +176,7 @@ impl Station {
     /// Whether the station takes a part of this type now.
     #[inline]
     pub(super) fn admits(&self, kind: usize) -> bool {
-        self.lacks(kind) || (self.can_begin() && self.plain_task(kind).is_some())
+        self.can_begin() && self.plain[kind].is_some() || self.joins_some() && self.lacks(kind)
     }
 
     /// Whether the station can begin to work on a part: it has none, is on shift, and works. Its
@@ -198,19 +198,18 @@ impl Station {
     }
 
     /// Whether there is a free place for a component of this type.
-    #[inline]
     pub(super) fn lacks(&self, kind: usize) -> bool {
         self.component_place(kind).is_some()
     }
 
-    /// Whether all components of some bill are present.
-    #[inline]
-    pub(super) fn has_complete_bill(&self) -> bool {
-        self.bills.iter().any(|bill| bill.complete.is_some())
+    /// Whether the components of a complete bill wait for the same work as a newcomer of this type.
+    /// They arrived before it.
+    pub(super) fn bill_first(&self, kind: usize) -> bool {
+        let mut bills = self.bills.iter();
+        bills.any(|bill| bill.complete.is_some()) && !self.lacks(kind)
     }
 
     /// The first free place for a component of this type, as task and line of its bill.
-    #[inline]
     fn component_place(&self, kind: usize) -> Option<(usize, usize)> {
         self.bills.iter().enumerate().find_map(|(task, bill)| {
             bill.lines
@@ -218,12 +217,6 @@ impl Station {
                 .position(|(wanted, count, there)| *wanted == kind && there.len() < *count)
                 .map(|line| (task, line))
         })
-    }
-
-    /// The first task that works on this type without joining.
-    #[inline]
-    fn plain_task(&self, kind: usize) -> Option<usize> {
-        self.plain[kind].map(|task| task as usize)
     }
 
     /// Whether the station makes parts of this type from others.
@@ -456,24 +449,34 @@ impl Run<'_> {
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
         let arriving = &self.parts[part];
-        let (kind, came_from) = (arriving.kind, arriving.came_from);
-        let station = self.station(node);
-        station.waits.supplier = came_from;
-        if let Some((task, line)) = station.component_place(kind) {
-            let bill = &mut station.bills[task];
-            bill.lines[line].2.push(part);
-            if bill
-                .lines
-                .iter()
-                .all(|(_, count, there)| there.len() == *count)
-            {
-                let order = self.next_number();
-                self.station(node).bills[task].complete = Some(order);
-                self.look_at(node);
-            }
-        } else if let Some(task) = station.plain_task(kind) {
-            self.begin(node, task, part);
+        let kind = arriving.kind;
+        let station = station_of(&mut self.nodes, node);
+        station.waits.supplier = arriving.came_from;
+        let plain = station.plain[kind];
+        if station.joins_some() && self.add_component(node, part, kind) {
+            return;
         }
+        if let Some(task) = plain {
+            self.begin(node, task as usize, part);
+        }
+    }
+
+    /// Adds a part to the first bill that lacks a component of its type. Returns false if there is
+    /// none.
+    fn add_component(&mut self, node: usize, part: PartIndex, kind: usize) -> bool {
+        let station = self.station(node);
+        let Some((task, line)) = station.component_place(kind) else {
+            return false;
+        };
+        let bill = &mut station.bills[task];
+        bill.lines[line].2.push(part);
+        let mut lines = bill.lines.iter();
+        if lines.all(|(_, count, there)| there.len() == *count) {
+            let order = self.next_number();
+            self.station(node).bills[task].complete = Some(order);
+            self.look_at(node);
+        }
+        true
     }
 
     /// Lets a free station join the bill that has been complete longest, unless a part for another
@@ -496,7 +499,7 @@ impl Run<'_> {
         };
         let older = self.nodes[node].requests.iter().any(|request| {
             let kind = request.kind as usize;
-            request.order < order && !station.lacks(kind) && station.plain_task(kind).is_some()
+            request.order < order && !station.lacks(kind) && station.plain[kind].is_some()
         });
         if !older {
             self.join(node, task);
@@ -608,16 +611,25 @@ impl Run<'_> {
         station.part = Some(part);
         station.task = task;
         station.begun_at = now;
-        let seconds = if changed { station.setup.draw() } else { 0.0 };
-        if seconds > 0.0 {
-            station.phase = Phase::Setup;
-            station.phase_seconds = seconds;
-            station.remaining = seconds;
-            self.record(node, Some(part), EventKind::SetupStarted);
-            self.resume(node);
-        } else {
+        if !changed || !self.begin_setup(node, part) {
             self.serve_part(node, part);
         }
+    }
+
+    /// Begins setup for a part; returns false if it takes no time.
+    #[inline(never)]
+    fn begin_setup(&mut self, node: usize, part: PartIndex) -> bool {
+        let station = self.station(node);
+        let seconds = station.setup.draw();
+        if seconds <= 0.0 {
+            return false;
+        }
+        station.phase = Phase::Setup;
+        station.phase_seconds = seconds;
+        station.remaining = seconds;
+        self.record(node, Some(part), EventKind::SetupStarted);
+        self.resume(node);
+        true
     }
 
     /// Begins the service of a part. A controller, if there is one, is called for all operations of
@@ -635,6 +647,7 @@ impl Run<'_> {
         }
     }
 
+    #[inline(never)]
     fn serve_with_controller(&mut self, node: usize, part: PartIndex) {
         match self.simulate(node, part) {
             Ok(Service {
