@@ -43,14 +43,14 @@ impl<E: Copy> Calendar<E> {
     }
 
     /// Adds an event. Events at the same time are ordered by priority, smallest first, then by
-    /// insertion. A negative time counts as 0, and a time that is not finite as `f64::MAX`. Takes
+    /// insertion. A negative time counts as 0, and a time that is infinite or no number as `f64::MAX`. Takes
     /// time logarithmic in the number of events.
     #[inline]
     pub fn schedule(&mut self, time: f64, priority: u8, event: E) {
-        let time = if time.is_finite() {
-            time.max(0.0) + 0.0
-        } else {
-            f64::MAX
+        let time = match time {
+            _ if time > 0.0 => time.min(f64::MAX),
+            _ if time.is_nan() => f64::MAX,
+            _ => 0.0,
         };
         let order = u64::from(priority) << NUMBER_BITS | self.scheduled;
         self.scheduled = (self.scheduled + 1) & ((1 << NUMBER_BITS) - 1);
@@ -103,12 +103,14 @@ impl<E: Copy> Calendar<E> {
     }
 
     /// Puts the latest of too many near entries with the far ones.
+    #[inline(never)]
     fn put_away(&mut self) {
         let latest = self.near.remove(0);
         self.put_far(latest);
     }
 
     /// Makes some far entries the near ones.
+    #[inline(never)]
     fn bring_near(&mut self) {
         for _ in 0..NEAR / 2 {
             let Some(next) = self.take_far() else { break };
@@ -141,6 +143,7 @@ impl<E: Copy> Calendar<E> {
     }
 
     /// Adds an entry to the heap.
+    #[inline(never)]
     fn put_far(&mut self, entry: Entry<E>) {
         let mut at = self.far.len();
         self.far.push(entry);

@@ -124,7 +124,7 @@ impl Buffer {
     pub(super) fn first(&self) -> Option<PartIndex> {
         match &self.ready {
             Ready::Queue(queue) => queue.front().map(|waiting| waiting.part),
-            Ready::Ranked(ranked) => ranked.first_key_value().map(|(_, waiting)| waiting.part),
+            Ready::Ranked(ranked) => first(ranked),
         }
     }
 
@@ -157,6 +157,7 @@ impl Buffer {
         self.put_ranked(waiting, part, now)
     }
 
+    #[inline(never)]
     fn put_ranked(&mut self, waiting: Waiting, part: &Part, now: f64) -> Arrival {
         let rank = self.rank(part);
         let dwell = self.dwell.as_mut().map_or(0.0, Sampler::draw);
@@ -221,7 +222,7 @@ impl Buffer {
     pub(super) fn take(&mut self, now: f64) {
         let taken = match &mut self.ready {
             Ready::Queue(queue) => queue.pop_front(),
-            Ready::Ranked(ranked) => ranked.pop_first().map(|(_, taken)| taken),
+            Ready::Ranked(ranked) => pop_first(ranked),
         };
         if let Some(Waiting { since, .. }) = taken {
             self.level.add(now, -1);
@@ -258,6 +259,16 @@ impl Buffer {
         self.waits = Waits::default();
         self.expired = 0;
     }
+}
+
+#[inline(never)]
+fn first(ranked: &BTreeMap<Rank, Waiting>) -> Option<PartIndex> {
+    ranked.first_key_value().map(|(_, waiting)| waiting.part)
+}
+
+#[inline(never)]
+fn pop_first(ranked: &mut BTreeMap<Rank, Waiting>) -> Option<Waiting> {
+    ranked.pop_first().map(|(_, taken)| taken)
 }
 
 impl Run<'_> {

@@ -151,6 +151,7 @@ impl Run<'_> {
     }
 
     /// Examines a node that is neither a station nor a buffer.
+    #[inline(never)]
     fn examine_other(&mut self, node: usize) {
         match &self.nodes[node].place {
             Place::Source(_) => {
@@ -277,9 +278,17 @@ impl Run<'_> {
             }
             Some(order) => self.nodes[to].requests.insert(request(order)),
         }
-        match self.nodes[to].place {
-            Place::Conveyor(_) => self.reopen_later(to),
-            Place::Belt(_) => self.wake(to),
+        if let Place::Conveyor(_) | Place::Belt(_) = self.nodes[to].place {
+            self.expect(to);
+        }
+    }
+
+    /// Lets a conveyor or a belt take a part that waits for it.
+    #[inline(never)]
+    fn expect(&mut self, node: usize) {
+        match self.nodes[node].place {
+            Place::Conveyor(_) => self.reopen_later(node),
+            Place::Belt(_) => self.wake(node),
             _ => {}
         }
     }
@@ -313,7 +322,15 @@ impl Run<'_> {
         match &self.nodes[node].place {
             Place::Buffer(buffer) => buffer.has_room(),
             Place::Station(station) => station.admits(kind),
-            Place::Source(_) => false,
+            place => self.admits_otherwise(place, from),
+        }
+    }
+
+    /// The same for a place that is neither a station nor a buffer.
+    #[inline(never)]
+    fn admits_otherwise(&self, place: &Place, from: usize) -> bool {
+        match place {
+            Place::Source(_) | Place::Station(_) | Place::Buffer(_) => false,
             Place::Sink | Place::Store(_) => true,
             Place::Conveyor(conveyor) => conveyor.admits(self.now),
             Place::Belt(belt) => {
@@ -337,6 +354,7 @@ impl Run<'_> {
 
     /// Whether a part that has waited longer for a node than outlet `own` (or than a newcomer)
     /// could go there now.
+    #[inline(never)]
     pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
         let requests = self.nodes[node].requests.iter();
         let mut earlier = requests.take_while(|request| Some(request.outlet as usize) != own);
@@ -351,6 +369,7 @@ impl Run<'_> {
         }
     }
 
+    #[inline(never)]
     fn serve_requests(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&request) = self.nodes[node].requests.get(next) {

@@ -198,12 +198,14 @@ impl Station {
     }
 
     /// Whether there is a free place for a component of this type.
+    #[inline(never)]
     pub(super) fn lacks(&self, kind: usize) -> bool {
         self.component_place(kind).is_some()
     }
 
     /// Whether the components of a complete bill wait for the same work as a newcomer of this type.
     /// They arrived before it.
+    #[inline(never)]
     pub(super) fn bill_first(&self, kind: usize) -> bool {
         let mut bills = self.bills.iter();
         bills.any(|bill| bill.complete.is_some()) && !self.lacks(kind)
@@ -463,6 +465,7 @@ impl Run<'_> {
 
     /// Adds a part to the first bill that lacks a component of its type. Returns false if there is
     /// none.
+    #[inline(never)]
     fn add_component(&mut self, node: usize, part: PartIndex, kind: usize) -> bool {
         let station = self.station(node);
         let Some((task, line)) = station.component_place(kind) else {
@@ -481,6 +484,7 @@ impl Run<'_> {
 
     /// Lets a free station join the bill that has been complete longest, unless a part for another
     /// task has waited longer.
+    #[inline(never)]
     pub(super) fn station_ready(&mut self, node: usize) {
         let Place::Station(station) = &self.nodes[node].place else {
             return;
@@ -552,6 +556,7 @@ impl Run<'_> {
     }
 
     /// Removes a part that has a value outside its range; returns whether it did.
+    #[inline(never)]
     fn refuse_out_of_range(&mut self, node: usize, part: PartIndex) -> bool {
         let kind = &self.line.parts[self.parts[part].kind];
         let Some(property) = kind.first_out_of_range(&self.parts[part].properties) else {
@@ -637,11 +642,14 @@ impl Run<'_> {
     #[inline]
     fn serve_part(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Started);
+        let now = self.now;
         let station = station_of(&mut self.nodes, node);
         if let Some(time) = &mut station.times[station.task] {
             let seconds = time.draw();
             station.start(seconds, seconds * station.watts, 0.0);
-            self.resume(node);
+            if let Some((seconds, number)) = station.resume(now) {
+                self.schedule(now + seconds, WORK, Event::Station(node as u32, number));
+            }
         } else {
             self.serve_with_controller(node, part);
         }
@@ -719,7 +727,7 @@ impl Run<'_> {
     }
 
     /// Starts or continues setup or service, unless the station is broken down or off shift.
-    #[inline]
+    #[inline(never)]
     fn resume(&mut self, node: usize) {
         let now = self.now;
         if let Some((seconds, number)) = self.station(node).resume(now) {
@@ -795,9 +803,7 @@ impl Run<'_> {
         }
         self.record(node, Some(part), EventKind::Ended);
         if can_strike {
-            for mode in self.station(node).failures.part_finished() {
-                self.break_down(node, mode);
-            }
+            self.strike_finished(node);
         }
         if has_properties && self.refuse_out_of_range(node, part) {
             return;
@@ -809,7 +815,16 @@ impl Run<'_> {
         }
     }
 
+    /// Lets the failures strike that come after a number of parts.
+    #[inline(never)]
+    fn strike_finished(&mut self, node: usize) {
+        for mode in self.station(node).failures.part_finished() {
+            self.break_down(node, mode);
+        }
+    }
+
     /// Gives a part the properties that follow from the work on it, and possibly random defects.
+    #[inline(never)]
     fn change_properties(&mut self, node: usize, part: PartIndex) {
         let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
             return;

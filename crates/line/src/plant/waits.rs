@@ -130,6 +130,7 @@ impl Run<'_> {
         }
     }
 
+    #[inline(never)]
     fn begin_interval(&mut self, node: usize, activity: Activity) {
         match activity {
             Activity::Blocked => {
@@ -169,6 +170,7 @@ impl Run<'_> {
         }
     }
 
+    #[inline(never)]
     fn end_interval(&mut self, node: usize, activity: Activity, seconds: f64) {
         let waits = &self.station(node).waits;
         if activity == Activity::Blocked {
@@ -200,6 +202,7 @@ impl Run<'_> {
 
     /// Charges the time for which a station was starved to the place from which the last part came.
     /// At the end of a run, in which no part has ended the wait, this is the part before.
+    #[inline(never)]
     pub(super) fn end_starving(&mut self, node: usize) {
         self.end_wait(node);
         let setup: &Setup = self.setup;
