@@ -53,7 +53,7 @@ impl<E: Copy> Calendar<E> {
             _ => 0.0,
         };
         let order = u64::from(priority) << NUMBER_BITS | self.scheduled;
-        self.scheduled = (self.scheduled + 1) & ((1 << NUMBER_BITS) - 1);
+        self.scheduled += 1;
         let entry = Entry {
             key: u128::from(time.to_bits()) << 64 | u128::from(order),
             event,
@@ -90,14 +90,18 @@ impl<E: Copy> Calendar<E> {
     #[inline]
     fn put_near(&mut self, entry: Entry<E>) {
         self.near.push(entry);
-        let near = &mut self.near[..];
-        let mut at = near.len() - 1;
-        while at > 0 && near[at - 1].key < entry.key {
-            near[at] = near[at - 1];
-            at -= 1;
+        let mut open = &mut self.near[..];
+        while let [.., later, gap] = open
+            && later.key < entry.key
+        {
+            *gap = *later;
+            let count = open.len() - 1;
+            open = &mut open[..count];
         }
-        near[at] = entry;
-        if near.len() > NEAR {
+        if let [.., gap] = open {
+            *gap = entry;
+        }
+        if self.near.len() > NEAR {
             self.put_away();
         }
     }

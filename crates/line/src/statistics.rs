@@ -160,12 +160,19 @@ impl Level {
         }
     }
 
-    /// Changes the number by `change`.
+    /// Increases the number by one.
     #[inline]
-    pub(super) fn add(&mut self, now: f64, change: i32) {
+    pub(super) fn increase(&mut self, now: f64) {
         self.advance(now);
-        self.now = self.now.saturating_add_signed(change);
+        self.now += 1;
         self.max = self.max.max(self.now);
+    }
+
+    /// Decreases the number by one.
+    #[inline]
+    pub(super) fn decrease(&mut self, now: f64) {
+        self.advance(now);
+        self.now = self.now.saturating_sub(1);
     }
 
     /// Forgets the past, but not the number.

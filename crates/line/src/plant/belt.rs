@@ -353,7 +353,8 @@ impl<'a> Run<'a> {
         self.nodes[node].outlet.to = way;
         if let Some(way) = way {
             let setup = self.setup;
-            for &to in setup.ways.to(way) {
+            for &to in setup.ways.to(&way) {
+                let to = to as usize;
                 self.request(node, node, to, self.parts[part].kind, None);
             }
         }
@@ -367,7 +368,8 @@ impl<'a> Run<'a> {
             return;
         };
         let setup = self.setup;
-        for &to in setup.ways.to(way) {
+        for &to in setup.ways.to(&way) {
+            let to = to as usize;
             if self.lose_turn(to, node) {
                 self.look_at(to);
             }

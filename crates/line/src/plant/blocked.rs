@@ -225,8 +225,8 @@ impl Run<'_> {
             .find_map(|outlet| outlet.part.map(|part| (part, outlet.to)));
         match (waiting, &self.nodes[node].place) {
             (Some((_, Some(way))), _) => {
-                let places = self.setup.ways.to(way);
-                let rooms = places.iter().map(|&to| {
+                let places = self.setup.ways.to(&way).iter().map(|to| *to as usize);
+                let rooms = places.clone().map(|to| {
                     let room = match self.nodes[to].place {
                         Place::Conveyor(_) | Place::Belt(_) => "room on ",
                         Place::Buffer(_) => "room in ",
@@ -237,7 +237,7 @@ impl Run<'_> {
                 let rooms: Vec<String> = rooms.collect();
                 Some(Reason {
                     text: format!("{name} waits for {}", rooms.join(" or ")),
-                    next: places.first().copied(),
+                    next: places.clone().next(),
                 })
             }
             (Some((part, None)), _) => Some(Reason {

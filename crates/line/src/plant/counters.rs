@@ -92,13 +92,13 @@ impl Counters {
     /// Counts a part that comes into the line.
     pub(super) fn unit_enters(&mut self, now: f64) {
         self.entered += 1;
-        self.units.add(now, 1);
+        self.units.increase(now);
     }
 
     /// Counts a part that leaves the line, and that has been in it since `since`. Counting began at
     /// `start`.
     pub(super) fn unit_leaves(&mut self, now: f64, since: f64, start: f64) {
-        self.units.add(now, -1);
+        self.units.decrease(now);
         self.unit_seconds += now - since.max(start);
     }
 

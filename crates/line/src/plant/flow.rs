@@ -42,9 +42,6 @@ pub(super) struct Outlet {
     pub part: Option<PartIndex>,
     /// Where it goes; `None` if no route applies.
     pub to: Option<Way>,
-    /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
-    /// takes.
-    pub since: Option<u64>,
 }
 
 /// The outlets of stores: for each, the store, and the only part type that it serves.
@@ -193,48 +190,42 @@ impl Run<'_> {
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     pub(super) fn offer(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
-        let way = self.way(node, part);
-        let offered = self.outlet_mut(outlet);
-        let since = offered.since.take();
-        let Some(way) = way else {
-            offered.part = Some(part);
-            return;
-        };
-        let routes = self.setup.ways.routes(way);
-        let Some(to) = routes.only else {
-            self.offer_to_several(node, outlet, part, way, since);
+        let Some(to) = self.setup.ways.always(node, kind) else {
+            self.offer_by_choice(node, outlet, part);
             return;
         };
         let to = to as usize;
-        let admitted = self.admits(to, kind, node);
-        if admitted && self.is_first(to, kind) {
-            if routes.choice.is_some() {
-                self.take_chosen_way(node, outlet, to, way);
-            }
+        if self.admits(to, kind, node) && self.is_first(to, kind) {
             self.hand_over(node, to, part);
-            return;
+        } else {
+            self.wait_for(node, outlet, part, to);
         }
+    }
+
+    /// Lets a part wait at an outlet for the only place to which it goes.
+    #[inline(never)]
+    fn wait_for(&mut self, node: usize, outlet: usize, part: PartIndex, to: usize) {
+        let kind = self.parts[part].kind;
         let offered = self.outlet_mut(outlet);
         offered.part = Some(part);
-        offered.to = Some(way);
+        offered.to = Some(Way::To(to as u32));
+        let since = self.turn(node);
         self.request(node, outlet, to, kind, since);
-        if admitted {
+        if self.admits(to, kind, node) {
             // An older request or a complete bill goes first, so the node is examined to serve it.
             self.look_at(to);
         }
     }
 
-    /// Moves a part to one of the places at the ends of its way, or lets it wait for all of them.
+    /// Handles a part that is ready to leave, and whose way has to be chosen.
     #[inline(never)]
-    fn offer_to_several(
-        &mut self,
-        node: usize,
-        outlet: usize,
-        part: PartIndex,
-        way: Way,
-        since: Option<u64>,
-    ) {
+    fn offer_by_choice(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
+        let Some(way) = self.way(node, part) else {
+            self.turn(node);
+            self.outlet_mut(outlet).part = Some(part);
+            return;
+        };
         let is_free = |to: &usize| self.admits(*to, kind, node) && self.is_first(*to, kind);
         if let Some(to) = self.choose(way, is_free) {
             self.take_chosen_way(node, outlet, to, way);
@@ -244,12 +235,23 @@ impl Run<'_> {
         let offered = self.outlet_mut(outlet);
         offered.part = Some(part);
         offered.to = Some(way);
-        let setup = self.setup;
-        for &to in setup.ways.to(way) {
+        let since = self.turn(node);
+        for &to in self.setup.ways.to(&way) {
+            let to = to as usize;
             self.request(node, outlet, to, kind, since);
             if self.admits(to, kind, node) {
                 self.look_at(to);
             }
+        }
+    }
+
+    /// Takes the sequence number of the request of a part that the next part of a buffer has
+    /// overtaken.
+    #[inline]
+    fn turn(&mut self, node: usize) -> Option<u64> {
+        match &mut self.nodes[node].place {
+            Place::Buffer(buffer) => buffer.turn.take(),
+            _ => None,
         }
     }
 
@@ -264,21 +266,17 @@ impl Run<'_> {
         kind: usize,
         since: Option<u64>,
     ) {
-        let request = |order| Request {
+        let order = since.unwrap_or_else(|| self.next_number());
+        let request = Request {
             order,
             outlet: outlet as u32,
             kind: kind as u32,
             from: from as u32,
             declined: false,
         };
-        match since {
-            None => {
-                let request = request(self.next_number());
-                self.nodes[to].requests.push(request);
-            }
-            Some(order) => self.nodes[to].requests.insert(request(order)),
-        }
-        if let Place::Conveyor(_) | Place::Belt(_) = self.nodes[to].place {
+        let awaited = &mut self.nodes[to];
+        awaited.requests.insert(request);
+        if let Place::Conveyor(_) | Place::Belt(_) = awaited.place {
             self.expect(to);
         }
     }
@@ -311,7 +309,7 @@ impl Run<'_> {
             declined: true,
             ..request
         };
-        self.nodes[to].requests.push(request);
+        self.nodes[to].requests.insert(request);
         true
     }
 
@@ -403,7 +401,7 @@ impl Run<'_> {
         let (Some(part), Some(way)) = (left.part.take(), left.to.take()) else {
             return;
         };
-        if self.setup.ways.routes(way).choice.is_some() {
+        if let Way::Choice(_) = way {
             self.take_chosen_way(from, outlet, to, way);
         }
         self.hand_over(from, to, part);
@@ -420,8 +418,10 @@ impl Run<'_> {
                 self.parts[part].came_from = Some(from as u32);
                 if station.waits.is_waiting() {
                     self.end_wait(from);
+                    self.station_left(from);
+                } else {
+                    station.clear(now);
                 }
-                self.station(from).clear(now);
             }
             _ => self.leave_other(from, to, part),
         }
@@ -429,9 +429,15 @@ impl Run<'_> {
         self.look_at(from);
         match &mut self.nodes[to].place {
             Place::Buffer(buffer) => {
-                let arrival = buffer.put(part, &self.parts[part], now);
-                self.record(to, Some(part), EventKind::Arrived);
-                self.buffer_arrival(to, &arrival);
+                if buffer.is_plain() {
+                    let is_next = buffer.put(part, now);
+                    self.record(to, Some(part), EventKind::Arrived);
+                    if is_next {
+                        self.overtake(to);
+                    }
+                } else {
+                    self.buffer_arrival(to, part);
+                }
             }
             Place::Station(_) => self.station_arrival(to, part),
             Place::Sink => self.sink(to, part),
@@ -467,11 +473,12 @@ impl Run<'_> {
     #[inline(never)]
     fn take_chosen_way(&mut self, from: usize, outlet: usize, to: usize, way: Way) {
         let setup = self.setup;
-        let Some(choice) = setup.ways.routes(way).choice else {
+        let Some(choice) = setup.ways.choice(way) else {
             return;
         };
-        self.choosers[choice as usize].chosen();
-        for &other in setup.ways.to(way) {
+        self.choosers[choice].chosen();
+        for &other in setup.ways.to(&way) {
+            let other = other as usize;
             let withdrawn = other != to && self.nodes[other].requests.withdraw(outlet).is_some();
             if withdrawn && matches!(self.nodes[from].place, Place::Belt(_)) {
                 // Room may have been reserved for the belt; see [Turns](self#turns).
@@ -482,19 +489,21 @@ impl Run<'_> {
 
     /// Lets another part of a buffer leave next than the one that waits, if any. It takes the turn
     /// of that part.
-    pub(super) fn overtake(&mut self, buffer: usize) {
+    pub(super) fn overtake(&mut self, node: usize) {
         let setup = self.setup;
-        let outlet = &mut self.nodes[buffer].outlet;
+        let outlet = &mut self.nodes[node].outlet;
         if outlet.part.take().is_some()
             && let Some(way) = outlet.to.take()
         {
-            for &to in setup.ways.to(way) {
-                let withdrawn = self.nodes[to].requests.withdraw(buffer);
-                let since = withdrawn.map(|request| request.order);
-                let outlet = &mut self.nodes[buffer].outlet;
-                outlet.since = since.or(outlet.since);
+            for &to in setup.ways.to(&way) {
+                let withdrawn = self.nodes[to as usize].requests.withdraw(node);
+                if let (Some(request), Place::Buffer(buffer)) =
+                    (withdrawn, &mut self.nodes[node].place)
+                {
+                    buffer.turn = Some(request.order);
+                }
             }
         }
-        self.look_at(buffer);
+        self.look_at(node);
     }
 }

@@ -58,37 +58,37 @@ impl Requests {
     /// Removes and returns the request at this position.
     #[inline]
     pub(super) fn remove(&mut self, position: usize) -> Option<Request> {
-        match position {
-            0 => std::mem::replace(&mut self.first, self.others.pop_front()),
-            _ => self.others.remove(position - 1),
+        if position > 0 {
+            return self.others.remove(position - 1);
         }
+        let first = self.first.take();
+        if !self.others.is_empty() {
+            self.first = self.others.pop_front();
+        }
+        first
     }
 
-    /// Adds the latest request.
+    /// Adds a request where its sequence number belongs: at the end, unless it takes the turn of an
+    /// earlier one.
     #[inline]
-    pub(super) fn push(&mut self, request: Request) {
+    pub(super) fn insert(&mut self, request: Request) {
         if self.first.is_none() {
             self.first = Some(request);
         } else {
-            self.others.push_back(request);
+            self.insert_among_others(request);
         }
     }
 
-    /// Adds a request that takes the turn of an earlier one.
-    pub(super) fn insert(&mut self, request: Request) {
-        match self.first {
-            Some(first) if first.order < request.order => {
-                let others = &mut self.others;
-                let at = others.partition_point(|other| other.order < request.order);
-                others.insert(at, request);
-            }
-            _ => {
-                let second = self.first.replace(request);
-                second
-                    .into_iter()
-                    .for_each(|second| self.others.push_front(second));
-            }
+    #[inline(never)]
+    fn insert_among_others(&mut self, mut request: Request) {
+        if let Some(first) = &mut self.first
+            && request.order < first.order
+        {
+            std::mem::swap(first, &mut request);
         }
+        let others = &mut self.others;
+        let at = others.partition_point(|other| other.order < request.order);
+        others.insert(at, request);
     }
 
     /// Removes the request of an outlet. Returns it, if there was one.

@@ -27,7 +27,7 @@ pub(super) struct Station {
     pub phase: Phase,
     /// The part in work, or the finished part that waits to leave.
     pub part: Option<PartIndex>,
-    task: usize,
+    task: u32,
     /// Part type of the task that began last; another type needs setup.
     last_kind: Option<usize>,
     /// Seconds left in this phase, as of the time `resumed`.
@@ -272,15 +272,25 @@ impl Station {
     /// Returns the seconds until it ends or the station breaks down, and the number of this event.
     #[inline]
     fn resume(&mut self, now: f64) -> Option<(f64, u32)> {
-        self.book(now);
         let works = self.on_shift || self.overtime;
         if self.failures.is_failed() || !works || self.running {
+            self.book(now);
             return None;
         }
+        let in_setup = self.phase == Phase::Setup;
+        let activity = if in_setup {
+            Activity::Setup
+        } else {
+            Activity::Busy
+        };
+        self.clock.switch(now, activity);
         self.running = true;
         self.resumed = now;
         self.number = self.number.wrapping_add(1);
-        Some((self.remaining.min(self.until_failure()), self.number))
+        let until_failure = self.until_failure();
+        let fails = until_failure < self.remaining;
+        let seconds = if fails { until_failure } else { self.remaining };
+        Some((seconds, self.number))
     }
 
     /// The activity of the interval that begins now, if one does; see [`Waits`].
@@ -459,7 +469,7 @@ impl Run<'_> {
             return;
         }
         if let Some(task) = plain {
-            self.begin(node, task as usize, part);
+            self.begin(node, task, part);
         }
     }
 
@@ -550,7 +560,7 @@ impl Run<'_> {
         self.counters.in_line[kind] += 1;
         self.record(node, Some(part), EventKind::Entered);
         if !self.refuse_out_of_range(node, part) {
-            self.begin(node, task, part);
+            self.begin(node, task as u32, part);
         }
         self.look_at(node);
     }
@@ -603,38 +613,42 @@ impl Run<'_> {
 
     /// Begins to process a part, with setup first if the part type has changed.
     #[inline]
-    fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
+    fn begin(&mut self, node: usize, task: u32, part: PartIndex) {
         if self.station(node).waits.is_starved() {
             self.end_starving(node);
         }
-        let now = self.now;
+        let beginning = &mut self.parts[part];
+        let kind = beginning.kind;
         let station = station_of(&mut self.nodes, node);
-        self.parts[part].visit(station.first_copy);
-        let kind = station.kinds[task];
-        let changed = station.last_kind.is_some_and(|last| last != kind);
-        station.last_kind = Some(kind);
+        beginning.visit(station.first_copy);
         station.part = Some(part);
         station.task = task;
-        station.begun_at = now;
-        if !changed || !self.begin_setup(node, part) {
+        station.begun_at = self.now;
+        if station
+            .last_kind
+            .replace(kind)
+            .is_none_or(|last| last == kind)
+        {
             self.serve_part(node, part);
+        } else {
+            self.begin_setup(node, part);
         }
     }
 
-    /// Begins setup for a part; returns false if it takes no time.
+    /// Begins setup for a part or, if this takes no time, its service.
     #[inline(never)]
-    fn begin_setup(&mut self, node: usize, part: PartIndex) -> bool {
+    fn begin_setup(&mut self, node: usize, part: PartIndex) {
         let station = self.station(node);
         let seconds = station.setup.draw();
         if seconds <= 0.0 {
-            return false;
+            self.serve_part(node, part);
+            return;
         }
         station.phase = Phase::Setup;
         station.phase_seconds = seconds;
         station.remaining = seconds;
         self.record(node, Some(part), EventKind::SetupStarted);
         self.resume(node);
-        true
     }
 
     /// Begins the service of a part. A controller, if there is one, is called for all operations of
@@ -644,7 +658,7 @@ impl Run<'_> {
         self.record(node, Some(part), EventKind::Started);
         let now = self.now;
         let station = station_of(&mut self.nodes, node);
-        if let Some(time) = &mut station.times[station.task] {
+        if let Some(time) = &mut station.times[station.task as usize] {
             let seconds = time.draw();
             station.start(seconds, seconds * station.watts, 0.0);
             if let Some((seconds, number)) = station.resume(now) {
@@ -687,7 +701,7 @@ impl Run<'_> {
         else {
             return Ok(Service::default());
         };
-        let task = &declared.tasks[station.task];
+        let task = &declared.tasks[station.task as usize];
         let values = &mut station.values;
         values.clear();
         values.extend(
@@ -834,7 +848,7 @@ impl Run<'_> {
             return;
         };
         let finished = &mut self.parts[part];
-        if station.times[station.task].is_none() {
+        if station.times[station.task as usize].is_none() {
             finished.properties.clone_from(&station.outcome);
         }
         declared.set_values(finished.kind, &mut finished.properties);
@@ -854,6 +868,7 @@ impl Run<'_> {
     }
 
     /// Frees a station that no longer has a part in work.
+    #[inline(never)]
     pub(super) fn station_left(&mut self, node: usize) {
         let now = self.now;
         self.station(node).clear(now);

@@ -237,7 +237,7 @@ impl Run<'_> {
     fn awaited_place(&self, node: usize) -> Option<usize> {
         let outlet = &self.nodes[node].outlet;
         let way = outlet.part.and(outlet.to)?;
-        self.setup.ways.to(way).first().copied()
+        self.setup.ways.to(&way).first().map(|to| *to as usize)
     }
 
     /// The station at a place, or behind the full buffers and conveyors that begin there.

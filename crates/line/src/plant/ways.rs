@@ -5,45 +5,39 @@ use super::{Place, Run};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Choice, Line};
 use linewright_language::contract::machine::RealExpr;
-use std::num::NonZeroU32;
 use std::ops::Range;
 
-/// The routes of which a part takes one.
+/// Where a part goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Way(NonZeroU32);
+pub(super) enum Way {
+    /// To this place.
+    To(u32),
+    /// To a place at the end of a route that belongs to a choice: an index into [`Ways::choices`].
+    Choice(u32),
+}
 
-/// What a way consists of.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Routes {
+/// Routes that belong to a choice, of which a part takes one.
+#[derive(Debug, Clone, Copy)]
+struct Routes {
     /// The routes, as a range of [`Ways::to`].
     first: u32,
     end: u32,
     /// The choice to which they belong.
-    pub choice: Option<u32>,
-    /// The place to which the part goes; `None` if it is open to which of several.
-    pub only: Option<u32>,
+    choice: u32,
 }
 
 /// Ways by node and part type.
 pub(super) struct Ways {
     types: usize,
-    /// By node and part type: the way, if all parts take the same one.
-    same: Vec<Option<Way>>,
+    /// By node and part type: the place to which all parts go, if they do not choose.
+    always: Vec<Option<u32>>,
     /// By node and part type: range of `all`.
     index: Vec<Range<u32>>,
     all: Vec<(Way, Option<RealExpr>)>,
-    /// By way. That of a choice is followed by one way for each of its routes alone. The first
-    /// entry is not used.
-    routes: Vec<Routes>,
+    /// All routes of each choice, followed by each of these routes alone.
+    choices: Vec<Routes>,
     /// By route: the place at its end.
-    to: Vec<usize>,
-}
-
-impl Way {
-    /// The way that consists only of one route of this way, which belongs to a choice.
-    fn member(self, number: u32) -> Self {
-        Self(self.0.saturating_add(1 + number))
-    }
+    to: Vec<u32>,
 }
 
 impl Ways {
@@ -51,32 +45,34 @@ impl Ways {
         let types = line.parts.len();
         let mut by_start: Vec<Vec<(Way, Option<RealExpr>)>> =
             vec![Vec::new(); line.nodes.len() * types];
-        let mut routes = vec![Routes::default()];
+        let mut choices = Vec::new();
         let mut at = 0;
         while at < line.routes.len() {
             let route = &line.routes[at];
             let end = line.end_of_way(at);
-            let way = Way(NonZeroU32::MIN.saturating_add(routes.len() as u32 - 1));
-            let choice = route.choice.map(|choice| choice as u32);
-            let those = |first: usize, end: usize| Routes {
-                first: first as u32,
-                end: end as u32,
-                choice,
-                only: (end == first + 1).then_some(line.routes[first].to as u32),
+            let way = match route.choice {
+                None => Way::To(route.to as u32),
+                Some(choice) => {
+                    let way = Way::Choice(choices.len() as u32);
+                    let routes = |first: usize, end: usize| Routes {
+                        first: first as u32,
+                        end: end as u32,
+                        choice: choice as u32,
+                    };
+                    choices.push(routes(at, end));
+                    choices.extend((at..end).map(|member| routes(member, member + 1)));
+                    way
+                }
             };
-            routes.push(those(at, end));
-            if choice.is_some() {
-                routes.extend((at..end).map(|member| those(member, member + 1)));
-            }
             by_start[route.from * types + route.part].push((way, route.condition.clone()));
             at = end;
         }
         let mut all = Vec::new();
         let mut index = Vec::new();
-        let mut same = Vec::new();
+        let mut always = Vec::new();
         for ways in by_start {
-            same.push(match ways[..] {
-                [(way, None), ..] if routes[way.0.get() as usize].choice.is_none() => Some(way),
+            always.push(match ways[..] {
+                [(Way::To(place), None), ..] => Some(place),
                 _ => None,
             });
             let first = all.len() as u32;
@@ -85,30 +81,38 @@ impl Ways {
         }
         Self {
             types,
-            same,
+            always,
             index,
             all,
-            routes,
-            to: line.routes.iter().map(|route| route.to).collect(),
+            choices,
+            to: line.routes.iter().map(|route| route.to as u32).collect(),
         }
     }
 
-    /// What a way consists of.
+    /// The choice between the routes of a way; `None` if there is none.
     #[inline]
-    pub(super) fn routes(&self, way: Way) -> &Routes {
-        &self.routes[way.0.get() as usize]
+    pub(super) fn choice(&self, way: Way) -> Option<usize> {
+        match way {
+            Way::To(_) => None,
+            Way::Choice(index) => Some(self.choices[index as usize].choice as usize),
+        }
     }
 
     /// The places at the ends of a way.
-    pub(super) fn to(&self, way: Way) -> &[usize] {
-        let routes = self.routes(way);
-        &self.to[routes.first as usize..routes.end as usize]
+    pub(super) fn to<'a>(&'a self, way: &'a Way) -> &'a [u32] {
+        match way {
+            Way::To(place) => std::slice::from_ref(place),
+            Way::Choice(index) => {
+                let Routes { first, end, .. } = self.choices[*index as usize];
+                &self.to[first as usize..end as usize]
+            }
+        }
     }
 
-    /// The way of a part type from a node, if all parts take the same one.
+    /// The place to which all parts of a type go from a node, if they do not choose.
     #[inline]
-    pub(super) fn same(&self, node: usize, kind: usize) -> Option<Way> {
-        self.same[node * self.types + kind]
+    pub(super) fn always(&self, node: usize, kind: usize) -> Option<u32> {
+        self.always[node * self.types + kind]
     }
 
     /// Ways of a part type from a node, in order.
@@ -123,8 +127,10 @@ impl Run<'_> {
     /// determines. If there is none, adds a finding.
     #[inline]
     pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
-        let same = self.setup.ways.same(node, self.parts[part].kind);
-        same.or_else(|| self.chosen_way(node, part))
+        match self.setup.ways.always(node, self.parts[part].kind) {
+            Some(place) => Some(Way::To(place)),
+            None => self.chosen_way(node, part),
+        }
     }
 
     #[inline(never)]
@@ -146,9 +152,12 @@ impl Run<'_> {
                     .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
             });
         if let Some(&(way, _)) = way {
-            let choice = setup.ways.routes(way).choice;
-            let chosen = choice.and_then(|choice| choosers[choice as usize].choose());
-            return Some(chosen.map_or(way, |number| way.member(number)));
+            let choice = setup.ways.choice(way);
+            let chosen = choice.and_then(|choice| choosers[choice].choose());
+            return Some(match (way, chosen) {
+                (Way::Choice(index), Some(number)) => Way::Choice(index + 1 + number),
+                _ => way,
+            });
         }
         let (kind, number) = (part.kind, part.number);
         if !self.journal.unroutable.contains(&(node, kind)) {
@@ -173,12 +182,9 @@ impl Run<'_> {
     /// queue, the first with the fewest parts.
     pub(super) fn choose(&self, way: Way, takes: impl Fn(&usize) -> bool) -> Option<usize> {
         let ways = &self.setup.ways;
-        let mut places = ways.to(way).iter().copied().filter(takes);
-        match ways
-            .routes(way)
-            .choice
-            .map(|choice| &self.line.choices[choice as usize])
-        {
+        let places = ways.to(&way).iter().map(|to| *to as usize);
+        let mut places = places.filter(takes);
+        match ways.choice(way).map(|choice| &self.line.choices[choice]) {
             Some(Choice::ShortestQueue) => places.min_by_key(|to| self.load(*to)),
             _ => places.next(),
         }
