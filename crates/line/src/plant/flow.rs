@@ -188,38 +188,46 @@ impl Run<'_> {
     }
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
+    ///
+    /// Most parts go to a station or a buffer for which nobody waits, or wait for one without room.
+    /// That is decided here, and everything else in [`Self::offer_in_turn`].
     pub(super) fn offer(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
         let Some(to) = self.setup.ways.always(node, kind) else {
-            self.offer_by_choice(node, outlet, part);
-            return;
+            return self.offer_in_turn(node, outlet, part);
         };
         let to = to as usize;
-        if self.admits(to, kind, node) && self.is_first(to, kind) {
+        let Node {
+            place, requests, ..
+        } = &self.nodes[to];
+        let has_room = match place {
+            Place::Buffer(buffer) => buffer.has_room(),
+            Place::Station(station) if !station.joins_some() => station.admits(kind),
+            _ => return self.offer_in_turn(node, outlet, part),
+        };
+        if !has_room {
+            self.wait_for(node, outlet, part, kind, to);
+        } else if requests.is_empty() {
             self.hand_over(node, to, part);
         } else {
-            self.wait_for(node, outlet, part, to);
+            self.offer_in_turn(node, outlet, part);
         }
     }
 
     /// Lets a part wait at an outlet for the only place to which it goes.
     #[inline(never)]
-    fn wait_for(&mut self, node: usize, outlet: usize, part: PartIndex, to: usize) {
-        let kind = self.parts[part].kind;
+    fn wait_for(&mut self, node: usize, outlet: usize, part: PartIndex, kind: usize, to: usize) {
         let offered = self.outlet_mut(outlet);
         offered.part = Some(part);
         offered.to = Some(Way::To(to as u32));
         let since = self.turn(node);
         self.request(node, outlet, to, kind, since);
-        if self.admits(to, kind, node) {
-            // An older request or a complete bill goes first, so the node is examined to serve it.
-            self.look_at(to);
-        }
+        self.begin_wait(node);
     }
 
-    /// Handles a part that is ready to leave, and whose way has to be chosen.
+    /// Handles a part that is ready to leave, and that may have to choose, or to let others go first.
     #[inline(never)]
-    fn offer_by_choice(&mut self, node: usize, outlet: usize, part: PartIndex) {
+    fn offer_in_turn(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
         let Some(way) = self.way(node, part) else {
             self.turn(node);
@@ -228,7 +236,9 @@ impl Run<'_> {
         };
         let is_free = |to: &usize| self.admits(*to, kind, node) && self.is_first(*to, kind);
         if let Some(to) = self.choose(way, is_free) {
-            self.take_chosen_way(node, outlet, to, way);
+            if let Way::Choice(_) = way {
+                self.take_chosen_way(node, outlet, to, way);
+            }
             self.hand_over(node, to, part);
             return;
         }
@@ -240,9 +250,12 @@ impl Run<'_> {
             let to = to as usize;
             self.request(node, outlet, to, kind, since);
             if self.admits(to, kind, node) {
+                // An older request or a complete bill goes first, so the node is examined to serve
+                // it.
                 self.look_at(to);
             }
         }
+        self.begin_wait(node);
     }
 
     /// Takes the sequence number of the request of a part that the next part of a buffer has
@@ -383,9 +396,11 @@ impl Run<'_> {
                 self.wake(from);
                 break;
             } else {
-                self.nodes[node].requests.remove(next);
+                let requests = &mut self.nodes[node].requests;
+                requests.remove(next);
+                let is_last = requests.is_empty();
                 self.transfer(from, request.outlet as usize, node);
-                if self.is_over() {
+                if is_last || self.is_over() {
                     break;
                 }
                 next = 0;

@@ -495,12 +495,22 @@ impl<'a> Run<'a> {
         }
     }
 
+    #[inline]
     fn happen(&mut self, event: Event) {
         if event.sets_going() {
             self.pending -= 1;
         }
         match event {
             Event::Station(node, number) => self.station_event(node as usize, number),
+            _ => self.happen_seldom(event),
+        }
+    }
+
+    /// Lets an event happen that is not a station's.
+    #[inline(never)]
+    fn happen_seldom(&mut self, event: Event) {
+        match event {
+            Event::Station(..) => {}
             Event::Failure(node, mode) => self.break_down(node as usize, mode as usize),
             Event::Repair(node) => self.repair(node as usize),
             Event::Due(node) => self.due(node as usize),

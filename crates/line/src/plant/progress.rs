@@ -35,14 +35,18 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// Counts an event handled at `now`.
-    fn advance(&mut self, now: f64) {
+    /// Counts an event handled at `now`. Returns whether the run counts as a livelock, or has come
+    /// to its latest time.
+    #[inline]
+    fn advance(&mut self, now: f64) -> bool {
         if now > self.instant {
             self.instant = now;
             self.at_instant = 0;
             self.violations_at_instant = 0;
+            now > LATEST_SECONDS
         } else {
             self.at_instant += 1;
+            self.is_stuck_at_instant()
         }
     }
 
@@ -80,13 +84,10 @@ impl Run<'_> {
     /// Looks whether the run still makes progress; if not, ends it.
     #[inline]
     pub(super) fn guard(&mut self) {
-        self.progress.advance(self.now);
-        let makes_progress = self.now <= LATEST_SECONDS
-            && !self.progress.is_stuck_at_instant()
-            && !self
-                .progress
-                .makes_no_products(self.events, self.journal.violation_count);
-        if !makes_progress && self.end.is_none() {
+        let violations = self.journal.violation_count;
+        if self.progress.advance(self.now)
+            || self.progress.makes_no_products(self.events, violations)
+        {
             self.give_up();
         }
     }
@@ -94,6 +95,9 @@ impl Run<'_> {
     /// Ends a run if it no longer makes progress.
     #[cold]
     fn give_up(&mut self) {
+        if self.end.is_some() {
+            return;
+        }
         if self.now > LATEST_SECONDS {
             self.end = Some(End::GaveUp);
             let message = format!(

@@ -464,22 +464,23 @@ impl Run<'_> {
         let kind = arriving.kind;
         let station = station_of(&mut self.nodes, node);
         station.waits.supplier = arriving.came_from;
-        let plain = station.plain[kind];
-        if station.joins_some() && self.add_component(node, part, kind) {
-            return;
-        }
-        if let Some(task) = plain {
+        if station.joins_some() {
+            self.joining_arrival(node, part, kind);
+        } else if let Some(task) = station.plain[kind] {
             self.begin(node, task, part);
         }
     }
 
-    /// Adds a part to the first bill that lacks a component of its type. Returns false if there is
-    /// none.
+    /// A part arrives at a station that joins: it is added to the first bill that lacks a component
+    /// of its type or, if there is none, begins.
     #[inline(never)]
-    fn add_component(&mut self, node: usize, part: PartIndex, kind: usize) -> bool {
+    fn joining_arrival(&mut self, node: usize, part: PartIndex, kind: usize) {
         let station = self.station(node);
         let Some((task, line)) = station.component_place(kind) else {
-            return false;
+            if let Some(task) = station.plain[kind] {
+                self.begin(node, task, part);
+            }
+            return;
         };
         let bill = &mut station.bills[task];
         bill.lines[line].2.push(part);
@@ -489,7 +490,6 @@ impl Run<'_> {
             self.station(node).bills[task].complete = Some(order);
             self.look_at(node);
         }
-        true
     }
 
     /// Lets a free station join the bill that has been complete longest, unless a part for another
@@ -612,7 +612,8 @@ impl Run<'_> {
     }
 
     /// Begins to process a part, with setup first if the part type has changed.
-    #[inline]
+    #[expect(clippy::inline_always, reason = "saves a tenth of the time of a run")]
+    #[inline(always)]
     fn begin(&mut self, node: usize, task: u32, part: PartIndex) {
         if self.station(node).waits.is_starved() {
             self.end_starving(node);
@@ -641,7 +642,7 @@ impl Run<'_> {
         let station = self.station(node);
         let seconds = station.setup.draw();
         if seconds <= 0.0 {
-            self.serve_part(node, part);
+            self.serve_after_setup(node, part);
             return;
         }
         station.phase = Phase::Setup;
@@ -653,7 +654,8 @@ impl Run<'_> {
 
     /// Begins the service of a part. A controller, if there is one, is called for all operations of
     /// the task. The station is busy from now on.
-    #[inline]
+    #[expect(clippy::inline_always, reason = "saves a tenth of the time of a run")]
+    #[inline(always)]
     fn serve_part(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Started);
         let now = self.now;
@@ -667,6 +669,11 @@ impl Run<'_> {
         } else {
             self.serve_with_controller(node, part);
         }
+    }
+
+    #[inline(never)]
+    fn serve_after_setup(&mut self, node: usize, part: PartIndex) {
+        self.serve_part(node, part);
     }
 
     #[inline(never)]
@@ -776,7 +783,7 @@ impl Run<'_> {
             }
         } else if let Some(part) = station.part {
             if station.phase == Phase::Setup {
-                self.serve_part(node, part);
+                self.serve_after_setup(node, part);
             } else {
                 self.end_service(node, part);
             }
@@ -823,10 +830,6 @@ impl Run<'_> {
             return;
         }
         self.offer(node, node, part);
-        // If the part has left, the station will be examined, and then waits if no other part comes.
-        if self.station(node).phase == Phase::Done {
-            self.begin_wait(node);
-        }
     }
 
     /// Lets the failures strike that come after a number of parts.
