@@ -127,7 +127,7 @@ impl Clock {
 pub(super) struct Level {
     now: u32,
     max: u32,
-    capacity: Option<u32>,
+    capacity: u32,
     since: f64,
     seconds: f64,
     area: f64,
@@ -136,7 +136,7 @@ pub(super) struct Level {
 
 impl Level {
     /// Begins at 0, at time 0. Time with `capacity` counts as full.
-    pub(super) fn new(capacity: Option<u32>) -> Self {
+    pub(super) fn new(capacity: u32) -> Self {
         Self {
             now: 0,
             capacity,
@@ -155,7 +155,7 @@ impl Level {
         self.since = now;
         self.seconds += seconds;
         self.area += f64::from(self.now) * seconds;
-        if self.capacity == Some(self.now) {
+        if self.now == self.capacity {
             self.full_seconds += seconds;
         }
     }

@@ -19,6 +19,7 @@
 //! for a part that the belt before it has handed over. Turns at the next node are decided as for
 //! all other nodes; see `flow.rs`.
 
+use super::queue::Request;
 use super::ways::Way;
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
@@ -288,9 +289,7 @@ impl<'a> Run<'a> {
             return None;
         };
         let mut requests = self.nodes[node].requests.iter().enumerate();
-        let waiting = requests.find(|(_, request)| {
-            !matches!(self.nodes[request.from as usize].place, Place::Belt(_))
-        });
+        let waiting = requests.find(|(_, request)| !request.is_belt);
         match (belt.inlet, waiting) {
             (Some((_, order)), Some((position, request))) if request.order < order => {
                 Some(Next::Waiting(position))
@@ -355,7 +354,15 @@ impl<'a> Run<'a> {
             let setup = self.setup;
             for &to in setup.ways.to(&way) {
                 let to = to as usize;
-                self.request(node, node, to, self.parts[part].kind, None);
+                let request = Request {
+                    order: self.next_number(),
+                    outlet: node as u32,
+                    kind: self.parts[part].kind as u32,
+                    from: node as u32,
+                    is_belt: true,
+                    declined: false,
+                };
+                self.register(to, request);
             }
         }
     }

@@ -96,7 +96,7 @@ impl Buffer {
             shelf_life: None,
             expiries: VecDeque::new(),
             turn: None,
-            level: Level::new(Some(capacity)),
+            level: Level::new(capacity),
             waits: Waits::default(),
             expired: 0,
         }

@@ -69,7 +69,7 @@ impl Counters {
             scrapped: 0,
             consumed: 0,
             before: 0,
-            units: Level::new(None),
+            units: Level::new(u32::MAX),
             unit_seconds: 0.0,
             in_line: vec![0; types],
             rejects: vec![(0, 0); types],

@@ -189,7 +189,7 @@ impl Run<'_> {
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     ///
-    /// Most parts go to a station or a buffer for which nobody waits, or wait for one without room.
+    /// Most parts go to a place for which nobody waits, or wait for a station or a buffer without room.
     /// That is decided here, and everything else in [`Self::offer_in_turn`].
     pub(super) fn offer(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
@@ -202,7 +202,8 @@ impl Run<'_> {
         } = &self.nodes[to];
         let has_room = match place {
             Place::Buffer(buffer) => buffer.has_room(),
-            Place::Station(station) if !station.joins_some() => station.admits(kind),
+            Place::Station(station) if !station.joins_some() => station.takes_alone(kind),
+            Place::Sink => true,
             _ => return self.offer_in_turn(node, outlet, part),
         };
         if !has_room {
@@ -268,25 +269,25 @@ impl Run<'_> {
         }
     }
 
-    /// Registers that the outlet waits for a node. With `since`, it takes the turn of an earlier
-    /// request with this sequence number.
+    /// Registers that the outlet of a node that is no belt waits for another node. It takes the turn
+    /// of an earlier request with the sequence number `since`, if there is one.
     #[inline]
-    pub(super) fn request(
-        &mut self,
-        from: usize,
-        outlet: usize,
-        to: usize,
-        kind: usize,
-        since: Option<u64>,
-    ) {
+    fn request(&mut self, from: usize, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
         let order = since.unwrap_or_else(|| self.next_number());
         let request = Request {
             order,
             outlet: outlet as u32,
             kind: kind as u32,
             from: from as u32,
+            is_belt: false,
             declined: false,
         };
+        self.register(to, request);
+    }
+
+    /// Registers a request to a node.
+    #[inline]
+    pub(super) fn register(&mut self, to: usize, request: Request) {
         let awaited = &mut self.nodes[to];
         awaited.requests.insert(request);
         if let Place::Conveyor(_) | Place::Belt(_) = awaited.place {
@@ -387,7 +388,7 @@ impl Run<'_> {
             let from = request.from as usize;
             if !self.admits(node, request.kind as usize, from) {
                 next += 1;
-            } else if matches!(self.nodes[from].place, Place::Belt(_)) {
+            } else if request.is_belt {
                 let request = self.nodes[node].requests.get_mut(next);
                 if request.is_some_and(|request| std::mem::take(&mut request.declined)) {
                     next += 1;

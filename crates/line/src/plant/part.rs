@@ -42,16 +42,24 @@ pub(super) struct Part {
 impl Part {
     /// Notes that a station begins to work on the part. Parallel stations are one, given by the
     /// first of them.
+    #[inline]
     pub(super) fn visit(&mut self, station: u32) {
-        let (word, bit) = (station as usize / 64, 1_u64 << (station % 64));
-        let visits = if word == 0 {
-            &mut self.visits
+        let bit = 1_u64 << (station % 64);
+        if station < 64 {
+            self.reworked |= self.visits & bit != 0;
+            self.visits |= bit;
         } else {
-            if self.more_visits.len() < word {
-                self.more_visits.resize(word, 0);
-            }
-            &mut self.more_visits[word - 1]
-        };
+            self.visit_another(station as usize / 64, bit);
+        }
+    }
+
+    /// The same for a node from 64 on.
+    #[inline(never)]
+    fn visit_another(&mut self, word: usize, bit: u64) {
+        if self.more_visits.len() < word {
+            self.more_visits.resize(word, 0);
+        }
+        let visits = &mut self.more_visits[word - 1];
         self.reworked |= *visits & bit != 0;
         *visits |= bit;
     }

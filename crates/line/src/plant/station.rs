@@ -3,7 +3,7 @@
 use super::failures::Failures;
 use super::waits::Waits;
 use super::{Event, Node, Place, Run, WORK, stream};
-use crate::plant::part::PartIndex;
+use crate::plant::part::{Part, PartIndex};
 use crate::random::{Purpose, Stream};
 use crate::sampler::Sampler;
 use crate::statistics::{Activity, Clock};
@@ -176,7 +176,13 @@ impl Station {
     /// Whether the station takes a part of this type now.
     #[inline]
     pub(super) fn admits(&self, kind: usize) -> bool {
-        self.can_begin() && self.plain[kind].is_some() || self.joins_some() && self.lacks(kind)
+        self.takes_alone(kind) || self.joins_some() && self.lacks(kind)
+    }
+
+    /// Whether the station takes a part of this type now to work on it without joining.
+    #[inline]
+    pub(super) fn takes_alone(&self, kind: usize) -> bool {
+        self.can_begin() && self.plain[kind].is_some()
     }
 
     /// Whether the station can begin to work on a part: it has none, is on shift, and works. Its
@@ -256,6 +262,25 @@ impl Station {
             .flat_map(|bill| &bill.lines)
             .flat_map(|(.., there)| there)
             .copied()
+    }
+
+    /// Accepts a part for a task.
+    #[inline]
+    fn accept(&mut self, index: PartIndex, task: u32, part: &mut Part, now: f64) {
+        part.visit(self.first_copy);
+        self.part = Some(index);
+        self.task = task;
+        self.last_kind = Some(part.kind);
+        self.begun_at = now;
+    }
+
+    /// Starts the service of the part, if its time is drawn; returns `None` if a controller
+    /// determines it. The rest is as for [`Self::resume`].
+    #[inline]
+    fn start_drawn(&mut self, now: f64) -> Option<Option<(f64, u32)>> {
+        let seconds = self.times[self.task as usize].as_mut()?.draw();
+        self.start(seconds, seconds * self.watts, 0.0);
+        Some(self.resume(now))
     }
 
     /// Starts the service of the part, which needs this time and energy.
@@ -612,37 +637,41 @@ impl Run<'_> {
     }
 
     /// Begins to process a part, with setup first if the part type has changed.
-    #[expect(clippy::inline_always, reason = "saves a tenth of the time of a run")]
+    #[expect(
+        clippy::inline_always,
+        reason = "a call would cost as much as the body"
+    )]
     #[inline(always)]
     fn begin(&mut self, node: usize, task: u32, part: PartIndex) {
-        if self.station(node).waits.is_starved() {
+        let kind = self.parts[part].kind;
+        let station = station_of(&mut self.nodes, node);
+        let changes = station.last_kind.is_some_and(|last| last != kind);
+        if station.waits.is_starved() {
             self.end_starving(node);
         }
-        let beginning = &mut self.parts[part];
-        let kind = beginning.kind;
+        if changes {
+            self.begin_setup(node, task, part);
+            return;
+        }
+        self.record(node, Some(part), EventKind::Started);
+        let now = self.now;
         let station = station_of(&mut self.nodes, node);
-        beginning.visit(station.first_copy);
-        station.part = Some(part);
-        station.task = task;
-        station.begun_at = self.now;
-        if station
-            .last_kind
-            .replace(kind)
-            .is_none_or(|last| last == kind)
-        {
-            self.serve_part(node, part);
-        } else {
-            self.begin_setup(node, part);
+        station.accept(part, task, &mut self.parts[part], now);
+        match station.start_drawn(now) {
+            Some(end) => self.schedule_end(node, end),
+            None => self.serve_with_controller(node, part),
         }
     }
 
     /// Begins setup for a part or, if this takes no time, its service.
     #[inline(never)]
-    fn begin_setup(&mut self, node: usize, part: PartIndex) {
-        let station = self.station(node);
+    fn begin_setup(&mut self, node: usize, task: u32, part: PartIndex) {
+        let now = self.now;
+        let station = station_of(&mut self.nodes, node);
+        station.accept(part, task, &mut self.parts[part], now);
         let seconds = station.setup.draw();
         if seconds <= 0.0 {
-            self.serve_after_setup(node, part);
+            self.serve_part(node, part);
             return;
         }
         station.phase = Phase::Setup;
@@ -652,28 +681,28 @@ impl Run<'_> {
         self.resume(node);
     }
 
-    /// Begins the service of a part. A controller, if there is one, is called for all operations of
-    /// the task. The station is busy from now on.
-    #[expect(clippy::inline_always, reason = "saves a tenth of the time of a run")]
-    #[inline(always)]
+    /// Begins the service of a part that the station has accepted. A controller, if there is one, is
+    /// called for all operations of the task. The station is busy from now on.
+    #[inline(never)]
     fn serve_part(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Started);
         let now = self.now;
-        let station = station_of(&mut self.nodes, node);
-        if let Some(time) = &mut station.times[station.task as usize] {
-            let seconds = time.draw();
-            station.start(seconds, seconds * station.watts, 0.0);
-            if let Some((seconds, number)) = station.resume(now) {
-                self.schedule(now + seconds, WORK, Event::Station(node as u32, number));
-            }
-        } else {
-            self.serve_with_controller(node, part);
+        match self.station(node).start_drawn(now) {
+            Some(end) => self.schedule_end(node, end),
+            None => self.serve_with_controller(node, part),
         }
     }
 
-    #[inline(never)]
-    fn serve_after_setup(&mut self, node: usize, part: PartIndex) {
-        self.serve_part(node, part);
+    /// Schedules the end of setup or service, or the failure before it, if the station works.
+    #[inline]
+    fn schedule_end(&mut self, node: usize, end: Option<(f64, u32)>) {
+        if let Some((seconds, number)) = end {
+            self.schedule(
+                self.now + seconds,
+                WORK,
+                Event::Station(node as u32, number),
+            );
+        }
     }
 
     #[inline(never)]
@@ -751,9 +780,8 @@ impl Run<'_> {
     #[inline(never)]
     fn resume(&mut self, node: usize) {
         let now = self.now;
-        if let Some((seconds, number)) = self.station(node).resume(now) {
-            self.schedule(now + seconds, WORK, Event::Station(node as u32, number));
-        }
+        let end = self.station(node).resume(now);
+        self.schedule_end(node, end);
     }
 
     /// Setup or service ends, or the station breaks down.
@@ -783,7 +811,7 @@ impl Run<'_> {
             }
         } else if let Some(part) = station.part {
             if station.phase == Phase::Setup {
-                self.serve_after_setup(node, part);
+                self.serve_part(node, part);
             } else {
                 self.end_service(node, part);
             }
