@@ -43,9 +43,12 @@ impl Requests {
     /// The request at this position.
     #[inline]
     pub(super) fn get(&self, position: usize) -> Option<&Request> {
-        match position {
-            0 => self.first.as_ref(),
-            _ => self.others.get(position - 1),
+        if position == 0 {
+            self.first.as_ref()
+        } else if self.others.is_empty() {
+            None
+        } else {
+            self.others.get(position - 1)
         }
     }
 
@@ -60,14 +63,19 @@ impl Requests {
     /// Removes and returns the request at this position.
     #[inline]
     pub(super) fn remove(&mut self, position: usize) -> Option<Request> {
-        if position > 0 {
-            return self.others.remove(position - 1);
+        if position == 0 && self.others.is_empty() {
+            self.first.take()
+        } else {
+            self.remove_of_several(position)
         }
-        let first = self.first.take();
-        if !self.others.is_empty() {
-            self.first = self.others.pop_front();
+    }
+
+    #[inline(never)]
+    fn remove_of_several(&mut self, position: usize) -> Option<Request> {
+        match position {
+            0 => std::mem::replace(&mut self.first, self.others.pop_front()),
+            _ => self.others.remove(position - 1),
         }
-        first
     }
 
     /// Adds a request where its sequence number belongs: at the end, unless it takes the turn of an

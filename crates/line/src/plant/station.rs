@@ -276,7 +276,11 @@ impl Station {
 
     /// Starts the service of the part, if its time is drawn; returns `None` if a controller
     /// determines it. The rest is as for [`Self::resume`].
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "a call would cost a good part of the body"
+    )]
+    #[inline(always)]
     fn start_drawn(&mut self, now: f64) -> Option<Option<(f64, u32)>> {
         let seconds = self.times[self.task as usize].as_mut()?.draw();
         self.start(seconds, seconds * self.watts, 0.0);
@@ -639,7 +643,7 @@ impl Run<'_> {
     /// Begins to process a part, with setup first if the part type has changed.
     #[expect(
         clippy::inline_always,
-        reason = "a call would cost as much as the body"
+        reason = "a call would cost a good part of the body"
     )]
     #[inline(always)]
     fn begin(&mut self, node: usize, task: u32, part: PartIndex) {
