@@ -143,13 +143,13 @@ impl Run<'_> {
                 }
                 self.serve(node);
             }
-            _ => self.examine_other(node),
+            _ => self.examine_otherwise(node),
         }
     }
 
     /// Examines a node that is neither a station nor a buffer.
     #[inline(never)]
-    fn examine_other(&mut self, node: usize) {
+    fn examine_otherwise(&mut self, node: usize) {
         match &self.nodes[node].place {
             Place::Source(_) => {
                 while self.is_free(node)
@@ -221,9 +221,17 @@ impl Run<'_> {
         let offered = self.outlet_mut(outlet);
         offered.part = Some(part);
         offered.to = Some(Way::To(to as u32));
-        let since = self.turn(node);
-        self.request(node, outlet, to, kind, since);
-        self.begin_wait(node);
+        match &mut self.nodes[node].place {
+            Place::Buffer(buffer) => {
+                let since = buffer.turn.take();
+                self.request(node, outlet, to, kind, since);
+            }
+            Place::Station(_) => {
+                self.request(node, outlet, to, kind, None);
+                self.begin_wait(node);
+            }
+            _ => self.request(node, outlet, to, kind, None),
+        }
     }
 
     /// Handles a part that is ready to leave, and that may have to choose, or to let others go first.
@@ -439,7 +447,7 @@ impl Run<'_> {
                     station.clear(now);
                 }
             }
-            _ => self.leave_other(from, to, part),
+            _ => self.leave_otherwise(from, to, part),
         }
         self.record(from, Some(part), EventKind::Left);
         self.look_at(from);
@@ -456,17 +464,25 @@ impl Run<'_> {
                 }
             }
             Place::Station(_) => self.station_arrival(to, part),
+            _ => self.arrive_otherwise(from, to, part),
+        }
+    }
+
+    /// A part arrives at a node that is neither a station nor a buffer.
+    #[inline(never)]
+    fn arrive_otherwise(&mut self, from: usize, to: usize, part: PartIndex) {
+        match &self.nodes[to].place {
             Place::Sink => self.sink(to, part),
             Place::Store(_) => self.store(to, part),
             Place::Conveyor(_) => self.conveyor_arrival(to, part),
             Place::Belt(_) => self.belt_arrival(from, to, part),
-            Place::Source(_) => {}
+            Place::Source(_) | Place::Station(_) | Place::Buffer(_) => {}
         }
     }
 
     /// A part leaves a node that is neither a station nor a buffer.
     #[inline(never)]
-    fn leave_other(&mut self, from: usize, to: usize, part: PartIndex) {
+    fn leave_otherwise(&mut self, from: usize, to: usize, part: PartIndex) {
         match &mut self.nodes[from].place {
             Place::Store(store) => {
                 store.left(self.parts[part].kind);

@@ -497,11 +497,11 @@ impl<'a> Run<'a> {
 
     #[inline]
     fn happen(&mut self, event: Event) {
-        if event.sets_going() {
-            self.pending -= 1;
-        }
         match event {
-            Event::Station(node, number) => self.station_event(node as usize, number),
+            Event::Station(node, number) => {
+                self.pending -= 1;
+                self.station_event(node as usize, number);
+            }
             _ => self.happen_seldom(event),
         }
     }
@@ -509,6 +509,9 @@ impl<'a> Run<'a> {
     /// Lets an event happen that is not a station's.
     #[inline(never)]
     fn happen_seldom(&mut self, event: Event) {
+        if event.sets_going() {
+            self.pending -= 1;
+        }
         match event {
             Event::Station(..) => {}
             Event::Failure(node, mode) => self.break_down(node as usize, mode as usize),

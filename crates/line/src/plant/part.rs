@@ -108,11 +108,8 @@ impl Parts {
             self.slots.push(Part::default());
             PartIndex(NonZeroU32::MIN.saturating_add(self.slots.len() as u32 - 2))
         });
-        let slot = &mut self[index];
-        let mut properties = std::mem::take(&mut slot.properties);
+        let mut properties = std::mem::take(&mut self[index].properties);
         properties.clear();
-        let mut more_visits = std::mem::take(&mut slot.more_visits);
-        more_visits.clear();
         for property in &line.parts[kind].properties {
             properties.push(match property.initial {
                 InitialValue::Number(value) => value,
@@ -121,21 +118,21 @@ impl Parts {
                     .unwrap_or(0.0),
             });
         }
-        self[index] = Part {
-            number: self.made,
-            kind,
-            entered: false,
-            entered_at: 0.0,
-            since: 0.0,
-            reworked: false,
-            reworked_inside: 0,
-            came_from: None,
-            worked_at: None,
-            defect_at: None,
-            visits: 0,
-            more_visits,
-            properties,
-        };
+        let number = self.made;
+        let part = &mut self[index];
+        part.properties = properties;
+        part.more_visits.clear();
+        part.visits = 0;
+        part.number = number;
+        part.kind = kind;
+        part.entered = false;
+        part.entered_at = 0.0;
+        part.since = 0.0;
+        part.reworked = false;
+        part.reworked_inside = 0;
+        part.came_from = None;
+        part.worked_at = None;
+        part.defect_at = None;
         index
     }
 

@@ -20,7 +20,7 @@ const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
 const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 
 /// Activity since time last advanced, and since the last end product.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Progress {
     /// Time of the current instant, in seconds.
     instant: f64,
@@ -28,10 +28,25 @@ pub(super) struct Progress {
     at_instant: u64,
     /// Number of violations at this instant.
     pub violations_at_instant: u64,
-    /// Number of events up to the last end product.
-    events_at_product: u64,
     /// Number of violations up to the last end product.
     violations_at_product: u64,
+    /// Numbers of events and of violations up to which a run that waits for products has to make
+    /// the next one.
+    last_event: u64,
+    last_violation: u64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            instant: 0.0,
+            at_instant: 0,
+            violations_at_instant: 0,
+            violations_at_product: 0,
+            last_event: MAX_EVENTS_WITHOUT_PRODUCT,
+            last_violation: MAX_VIOLATIONS_WITHOUT_PRODUCT,
+        }
+    }
 }
 
 impl Progress {
@@ -62,8 +77,9 @@ impl Progress {
 
     /// Counts an end product completed after this many events and violations.
     pub(super) fn count_product(&mut self, events: u64, violations: u64) {
-        self.events_at_product = events;
         self.violations_at_product = violations;
+        self.last_event = events + MAX_EVENTS_WITHOUT_PRODUCT;
+        self.last_violation = violations + MAX_VIOLATIONS_WITHOUT_PRODUCT;
     }
 
     /// Whether the run counts as a livelock, because of the number of events or violations since
@@ -75,8 +91,7 @@ impl Progress {
 
     /// Whether a run that waits for products has stopped making any.
     fn makes_no_products(&self, events: u64, violations: u64) -> bool {
-        events - self.events_at_product > MAX_EVENTS_WITHOUT_PRODUCT
-            || violations - self.violations_at_product > MAX_VIOLATIONS_WITHOUT_PRODUCT
+        events > self.last_event || violations > self.last_violation
     }
 }
 

@@ -89,6 +89,7 @@ impl Requests {
         }
     }
 
+    #[cold]
     #[inline(never)]
     fn insert_among_others(&mut self, mut request: Request) {
         if let Some(first) = &mut self.first

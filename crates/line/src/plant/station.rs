@@ -846,7 +846,13 @@ impl Run<'_> {
         station.work_seconds += station.phase_seconds;
         station.phase = Phase::Done;
         station.overtime = false;
-        station.book(now);
+        // A station that has failed does not end a service.
+        let activity = if station.on_shift {
+            Activity::Blocked
+        } else {
+            Activity::Idle
+        };
+        station.clock.switch(now, activity);
         let can_strike = station.failures.can_strike();
         let finished = &mut self.parts[part];
         finished.worked_at = Some(node as u32);

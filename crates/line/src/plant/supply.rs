@@ -227,7 +227,9 @@ impl Run<'_> {
             source.replacements -= 1;
         } else {
             source.plan(self.now);
-            self.schedule_arrival(node);
+            if !source.due {
+                self.schedule_arrival(node);
+            }
         }
         self.counters.in_line[part] += 1;
         Some(self.parts.create(self.line, part, |_| None))
