@@ -177,6 +177,7 @@ impl<'a> Run<'a> {
             // neighbor has changed.
             belt.ticking = false;
             self.violate(node, None, error);
+            self.progress.limit_violations();
             self.ask(node);
             if unload_ready {
                 self.decline(node);

@@ -126,8 +126,10 @@ impl Run<'_> {
                     if self.is_over() {
                         return;
                     }
+                    self.serve(node);
+                } else if !examined.requests.is_empty() {
+                    self.serve_requests(node);
                 }
-                self.serve(node);
                 self.begin_wait(node);
             }
             Place::Buffer(_) => {
@@ -218,9 +220,17 @@ impl Run<'_> {
     /// Lets a part wait at an outlet for the only place to which it goes.
     #[inline(never)]
     fn wait_for(&mut self, node: usize, outlet: usize, part: PartIndex, kind: usize, to: usize) {
-        let offered = self.outlet_mut(outlet);
-        offered.part = Some(part);
-        offered.to = Some(Way::To(to as u32));
+        let offered = Outlet {
+            part: Some(part),
+            to: Some(Way::To(to as u32)),
+        };
+        let waiting = &mut self.nodes[node];
+        if outlet == node {
+            waiting.outlet = offered;
+        } else {
+            let count = self.nodes.len();
+            self.store_outlets[outlet - count] = offered;
+        }
         match &mut self.nodes[node].place {
             Place::Buffer(buffer) => {
                 let since = buffer.turn.take();

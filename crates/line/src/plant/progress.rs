@@ -82,11 +82,18 @@ impl Progress {
         self.last_violation = violations + MAX_VIOLATIONS_WITHOUT_PRODUCT;
     }
 
-    /// Whether the run counts as a livelock, because of the number of events or violations since
-    /// time last advanced.
+    /// Counts the run as a livelock after too many violations at this instant.
+    pub(super) fn limit_violations(&mut self) {
+        if self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT {
+            self.at_instant = u64::MAX / 2;
+        }
+    }
+
+    /// Whether the run counts as a livelock, because of the number of movements, events or
+    /// violations since time last advanced.
+    #[inline]
     pub(super) fn is_stuck_at_instant(&self) -> bool {
         self.at_instant > MAX_AT_ONE_INSTANT
-            || self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT
     }
 
     /// Whether a run that waits for products has stopped making any.

@@ -620,6 +620,7 @@ impl Run<'_> {
     /// Removes a part whose service breaks a rule, and orders its replacement.
     fn take_out(&mut self, node: usize, part: PartIndex, error: CallError) {
         self.violate(node, Some(part), error);
+        self.progress.limit_violations();
         self.station_left(node);
         let replacement = self.replacement(self.parts[part].kind);
         self.reject(node, part, replacement);

@@ -6,6 +6,7 @@
 //! The effort of a wait therefore does not depend on what happens meanwhile. It is constant for a
 //! blocked station, and proportional to the number of its suppliers for a starved one.
 
+use super::ways::Way;
 use super::{Place, Run, Setup};
 use crate::statistics::Activity;
 use crate::trace::{Wait, WaitKind};
@@ -147,10 +148,12 @@ impl Run<'_> {
             }
             Activity::Starved => {
                 let setup: &Setup = self.setup;
-                self.station(node).waits.start.clear();
-                for &supplier in &setup.suppliers[node] {
-                    let down = self.down(supplier as usize);
-                    self.station(node).waits.start.push(down);
+                let suppliers = &setup.suppliers[node];
+                if !suppliers.is_empty() {
+                    let mut start = std::mem::take(&mut self.station(node).waits.start);
+                    start.clear();
+                    start.extend(suppliers.iter().map(|station| self.down(*station as usize)));
+                    self.station(node).waits.start = start;
                 }
             }
             _ => return,
@@ -234,10 +237,13 @@ impl Run<'_> {
     }
 
     /// The place for which the part of a station waits, the first one if there are several.
+    #[inline]
     fn awaited_place(&self, node: usize) -> Option<usize> {
         let outlet = &self.nodes[node].outlet;
-        let way = outlet.part.and(outlet.to)?;
-        self.setup.ways.to(&way).first().map(|to| *to as usize)
+        match outlet.part.and(outlet.to)? {
+            Way::To(place) => Some(place as usize),
+            way => self.setup.ways.to(&way).first().map(|to| *to as usize),
+        }
     }
 
     /// The station at a place, or behind the full buffers and conveyors that begin there.
