@@ -401,6 +401,22 @@ impl Run<'_> {
 
     #[inline(never)]
     fn serve_requests(&mut self, node: usize) {
+        let requests = &self.nodes[node].requests;
+        match requests.only() {
+            Some(&request) if !request.is_belt => {
+                let from = request.from as usize;
+                if self.admits(node, request.kind as usize, from) {
+                    self.nodes[node].requests.clear();
+                    self.transfer(from, request.outlet as usize, node);
+                }
+            }
+            _ => self.serve_several(node),
+        }
+    }
+
+    /// The same for several requests, or that of a belt.
+    #[inline(never)]
+    fn serve_several(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&request) = self.nodes[node].requests.get(next) {
             let from = request.from as usize;
@@ -415,11 +431,9 @@ impl Run<'_> {
                 self.wake(from);
                 break;
             } else {
-                let requests = &mut self.nodes[node].requests;
-                requests.remove(next);
-                let is_last = requests.is_empty();
+                self.nodes[node].requests.remove(next);
                 self.transfer(from, request.outlet as usize, node);
-                if is_last || self.is_over() {
+                if self.is_over() {
                     break;
                 }
                 next = 0;

@@ -41,15 +41,23 @@ impl Requests {
     }
 
     /// The request at this position.
-    #[inline]
     pub(super) fn get(&self, position: usize) -> Option<&Request> {
-        if position == 0 {
-            self.first.as_ref()
-        } else if self.others.is_empty() {
-            None
-        } else {
-            self.others.get(position - 1)
+        match position {
+            0 => self.first.as_ref(),
+            _ => self.others.get(position - 1),
         }
+    }
+
+    /// The only request; `None` if there are none or several.
+    #[inline]
+    pub(super) fn only(&self) -> Option<&Request> {
+        self.first.as_ref().filter(|_| self.others.is_empty())
+    }
+
+    /// Removes the only request.
+    #[inline]
+    pub(super) fn clear(&mut self) {
+        self.first = None;
     }
 
     /// The request at this position.
@@ -61,17 +69,7 @@ impl Requests {
     }
 
     /// Removes and returns the request at this position.
-    #[inline]
     pub(super) fn remove(&mut self, position: usize) -> Option<Request> {
-        if position == 0 && self.others.is_empty() {
-            self.first.take()
-        } else {
-            self.remove_of_several(position)
-        }
-    }
-
-    #[inline(never)]
-    fn remove_of_several(&mut self, position: usize) -> Option<Request> {
         match position {
             0 => std::mem::replace(&mut self.first, self.others.pop_front()),
             _ => self.others.remove(position - 1),
