@@ -6,16 +6,24 @@
 //! with the same time and priority happen in the order in which they were scheduled, on every
 //! platform.
 //!
-//! The next few events are kept in order, the later ones in a binary heap. So the calendar of a
-//! small line is a short sorted list, which is faster than a heap, and that of a large line takes
-//! logarithmic time.
+//! The next few events are kept in an array of fixed size, the later ones in a binary heap. The
+//! least key of the array is found by comparisons whose results no branch depends on: which event
+//! is next cannot be predicted, so each branch would be mispredicted half of the time. In a small
+//! line, there are no later events; in a large one, an event takes logarithmic time.
+
+use std::hint::select_unpredictable;
 
 /// Future events, sorted by time; see the module documentation.
 #[derive(Debug, Clone)]
 pub struct Calendar<E> {
-    /// The next events, the very next one last. Empty only if there are no events.
-    near: Vec<Entry<E>>,
-    /// All other events, none of them earlier than one that is near, as a binary heap.
+    /// The keys of the next events, followed by [`NONE`]; all are `NONE` only if there are no
+    /// events.
+    keys: [u128; NEAR],
+    /// The next events, in the order of `keys`.
+    events: [Option<E>; NEAR],
+    /// Number of next events.
+    near: usize,
+    /// All other events, each later than the next ones, as a binary heap.
     far: Vec<Entry<E>>,
     scheduled: u64,
 }
@@ -29,22 +37,27 @@ struct Entry<E> {
 /// Number of key bits for the sequence number; the eight bits above hold the priority.
 const NUMBER_BITS: u32 = 56;
 
-/// Maximum number of events that are kept in order.
-const NEAR: usize = 12;
+/// Maximum number of events in the array.
+const NEAR: usize = 8;
+
+/// A key later than that of any event.
+const NONE: u128 = u128::MAX;
 
 impl<E: Copy> Calendar<E> {
     /// Creates an empty calendar.
     pub fn new() -> Self {
         Self {
-            near: Vec::with_capacity(NEAR + 1),
+            keys: [NONE; NEAR],
+            events: [None; NEAR],
+            near: 0,
             far: Vec::new(),
             scheduled: 0,
         }
     }
 
     /// Adds an event. Events at the same time are ordered by priority, smallest first, then by
-    /// insertion. A negative time counts as 0, and a time that is infinite or no number as `f64::MAX`. Takes
-    /// time logarithmic in the number of events.
+    /// insertion. A negative time counts as 0, and infinity or no number as `f64::MAX`. Takes time
+    /// logarithmic in the number of events.
     #[inline]
     pub fn schedule(&mut self, time: f64, priority: u8, event: E) {
         let time = match time {
@@ -54,14 +67,11 @@ impl<E: Copy> Calendar<E> {
         };
         let order = u64::from(priority) << NUMBER_BITS | self.scheduled;
         self.scheduled += 1;
-        let entry = Entry {
-            key: u128::from(time.to_bits()) << 64 | u128::from(order),
-            event,
-        };
-        if self.far.first().is_some_and(|first| first.key < entry.key) {
-            self.put_far(entry);
+        let key = u128::from(time.to_bits()) << 64 | u128::from(order);
+        if self.far.first().is_some_and(|first| first.key < key) {
+            self.put_far(Entry { key, event });
         } else {
-            self.put_near(entry);
+            self.put_near(key, event);
         }
     }
 
@@ -69,58 +79,73 @@ impl<E: Copy> Calendar<E> {
     /// time logarithmic in the number of events.
     #[inline]
     pub fn take(&mut self) -> Option<(f64, E)> {
-        let first = self.near.pop()?;
-        if self.near.is_empty() && !self.far.is_empty() {
+        let next = least(&self.keys);
+        let (key, event) = (self.keys[next], self.events[next]?);
+        self.remove_near(next);
+        if self.near == 0 && !self.far.is_empty() {
             self.bring_near();
         }
-        Some((time_of(first.key), first.event))
+        Some((time_of(key), event))
     }
 
     /// Number of events.
     pub fn len(&self) -> usize {
-        self.near.len() + self.far.len()
+        self.near + self.far.len()
     }
 
     /// Whether there are no events.
     pub fn is_empty(&self) -> bool {
-        self.near.is_empty()
+        self.near == 0
     }
 
-    /// Adds an entry that is earlier than all far ones.
+    /// Adds an event that is earlier than all far ones.
     #[inline]
-    fn put_near(&mut self, entry: Entry<E>) {
-        self.near.push(entry);
-        let mut open = &mut self.near[..];
-        while let [.., later, gap] = open
-            && later.key < entry.key
-        {
-            *gap = *later;
-            let count = open.len() - 1;
-            open = &mut open[..count];
+    fn put_near(&mut self, key: u128, event: E) {
+        if self.near == NEAR {
+            self.exchange(key, event);
+            return;
         }
-        if let [.., gap] = open {
-            *gap = entry;
-        }
-        if self.near.len() > NEAR {
-            self.put_away();
-        }
+        self.keys[self.near] = key;
+        self.events[self.near] = Some(event);
+        self.near += 1;
     }
 
-    /// Puts the latest of too many near entries with the far ones.
+    /// Removes an event from the array.
+    #[inline]
+    fn remove_near(&mut self, at: usize) {
+        self.near -= 1;
+        self.keys[at] = self.keys[self.near];
+        self.events[at] = self.events[self.near];
+        self.keys[self.near] = NONE;
+        self.events[self.near] = None;
+    }
+
+    /// Adds an event to a full array, and puts the latest event with the far ones.
     #[inline(never)]
-    fn put_away(&mut self) {
-        let latest = self.near.remove(0);
-        self.put_far(latest);
+    fn exchange(&mut self, key: u128, event: E) {
+        let latest = (0..NEAR).max_by_key(|at| self.keys[*at]).unwrap_or(0);
+        match self.events[latest] {
+            Some(near) if key < self.keys[latest] => {
+                self.put_far(Entry {
+                    key: self.keys[latest],
+                    event: near,
+                });
+                self.keys[latest] = key;
+                self.events[latest] = Some(event);
+            }
+            _ => self.put_far(Entry { key, event }),
+        }
     }
 
-    /// Makes some far entries the near ones.
+    /// Makes the first far events near ones.
     #[inline(never)]
     fn bring_near(&mut self) {
         for _ in 0..NEAR / 2 {
-            let Some(next) = self.take_far() else { break };
-            self.near.push(next);
+            let Some(Entry { key, event }) = self.take_far() else {
+                break;
+            };
+            self.put_near(key, event);
         }
-        self.near.reverse();
     }
 
     /// Removes and returns the first entry of the heap.
@@ -168,6 +193,21 @@ impl<E: Copy> Default for Calendar<E> {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Index of the least key.
+#[inline(never)]
+fn least(keys: &[u128; NEAR]) -> usize {
+    let earlier = |a: (u128, usize), b: (u128, usize)| {
+        let is_later = b.0 < a.0;
+        (
+            select_unpredictable(is_later, b.0, a.0),
+            select_unpredictable(is_later, b.1, a.1),
+        )
+    };
+    let of_two = |first: usize| earlier((keys[first], first), (keys[first + 1], first + 1));
+    let of_four = |first: usize| earlier(of_two(first), of_two(first + 2));
+    earlier(of_four(0), of_four(4)).1
 }
 
 fn time_of(key: u128) -> f64 {
