@@ -191,8 +191,8 @@ impl Run<'_> {
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     ///
-    /// Most parts go to a place for which nobody waits, or wait for a station or a buffer without room.
-    /// That is decided here, and everything else in [`Self::offer_in_turn`].
+    /// Most parts go to a place for which nobody waits, or wait for a station or a buffer without
+    /// room. That is decided here, and everything else in [`Self::offer_in_turn`].
     pub(super) fn offer(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
         let Some(to) = self.setup.ways.always(node, kind) else {
@@ -244,7 +244,8 @@ impl Run<'_> {
         }
     }
 
-    /// Handles a part that is ready to leave, and that may have to choose, or to let others go first.
+    /// Handles a part that is ready to leave, and that may have to choose, or to let others go
+    /// first.
     #[inline(never)]
     fn offer_in_turn(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
@@ -287,8 +288,8 @@ impl Run<'_> {
         }
     }
 
-    /// Registers that the outlet of a node that is no belt waits for another node. It takes the turn
-    /// of an earlier request with the sequence number `since`, if there is one.
+    /// Registers that the outlet of a node that is no belt waits for another node. It takes the
+    /// turn of an earlier request with the sequence number `since`, if there is one.
     #[inline]
     fn request(&mut self, from: usize, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
         let order = since.unwrap_or_else(|| self.next_number());

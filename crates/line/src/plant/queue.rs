@@ -15,8 +15,8 @@ pub(super) struct Request {
     pub from: u32,
     /// Whether the outlet is that of a belt, which hands over its part only when it is stepped.
     pub is_belt: bool,
-    /// Whether it is that of a belt that had its turn and did not hand over its part; reset when the
-    /// node is examined.
+    /// Whether it is that of a belt that had its turn and did not hand over its part; reset when
+    /// the node is examined.
     pub declined: bool,
 }
 

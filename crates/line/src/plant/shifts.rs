@@ -72,9 +72,9 @@ impl Shifts {
         })
     }
 
-    /// Something has happened in the line: all stations can work again.
+    /// Something has happened in the line: all stations may be able to work again.
     #[inline(never)]
-    fn hope_again(&mut self) {
+    fn forget_fruitless(&mut self) {
         self.any_fruitless = false;
         for state in &mut self.calendars {
             state.fruitless = false;
@@ -86,7 +86,7 @@ impl Shifts {
     #[inline(never)]
     fn rest_for_ever(&mut self, violations: u64) -> bool {
         if std::mem::replace(&mut self.violations, violations) != violations {
-            self.hope_again();
+            self.forget_fruitless();
         }
         let mut rests = true;
         for state in &mut self.calendars {
@@ -149,7 +149,7 @@ impl Run<'_> {
     pub(super) fn rests_for_ever(&mut self) -> bool {
         if self.pending > 0 {
             if self.shifts.any_fruitless {
-                self.shifts.hope_again();
+                self.shifts.forget_fruitless();
             }
             return false;
         }

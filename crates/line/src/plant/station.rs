@@ -274,17 +274,10 @@ impl Station {
         self.begun_at = now;
     }
 
-    /// Starts the service of the part, if its time is drawn; returns `None` if a controller
-    /// determines it. The rest is as for [`Self::resume`].
-    #[expect(
-        clippy::inline_always,
-        reason = "a call would cost a good part of the body"
-    )]
-    #[inline(always)]
-    fn start_drawn(&mut self, now: f64) -> Option<Option<(f64, u32)>> {
-        let seconds = self.times[self.task as usize].as_mut()?.draw();
-        self.start(seconds, seconds * self.watts, 0.0);
-        Some(self.resume(now))
+    /// Draws the time of the work on the part; `None` if a controller determines it.
+    #[inline]
+    fn draw_time(&mut self) -> Option<f64> {
+        Some(self.times[self.task as usize].as_mut()?.draw())
     }
 
     /// Starts the service of the part, which needs this time and energy.
@@ -662,9 +655,12 @@ impl Run<'_> {
         let now = self.now;
         let station = station_of(&mut self.nodes, node);
         station.accept(part, task, &mut self.parts[part], now);
-        match station.start_drawn(now) {
-            Some(end) => self.schedule_end(node, end),
-            None => self.serve_with_controller(node, part),
+        if let Some(seconds) = station.draw_time() {
+            station.start(seconds, seconds * station.watts, 0.0);
+            let end = station.resume(now);
+            self.schedule_end(node, end);
+        } else {
+            self.serve_with_controller(node, part);
         }
     }
 
@@ -686,15 +682,19 @@ impl Run<'_> {
         self.resume(node);
     }
 
-    /// Begins the service of a part that the station has accepted. A controller, if there is one, is
-    /// called for all operations of the task. The station is busy from now on.
+    /// Begins the service of a part that the station has accepted. A controller, if there is one,
+    /// is called for all operations of the task. The station is busy from now on.
     #[inline(never)]
     fn serve_part(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Started);
         let now = self.now;
-        match self.station(node).start_drawn(now) {
-            Some(end) => self.schedule_end(node, end),
-            None => self.serve_with_controller(node, part),
+        let station = station_of(&mut self.nodes, node);
+        if let Some(seconds) = station.draw_time() {
+            station.start(seconds, seconds * station.watts, 0.0);
+            let end = station.resume(now);
+            self.schedule_end(node, end);
+        } else {
+            self.serve_with_controller(node, part);
         }
     }
 

@@ -242,7 +242,7 @@ impl Run<'_> {
         let outlet = &self.nodes[node].outlet;
         match outlet.part.and(outlet.to)? {
             Way::To(place) => Some(place as usize),
-            way => self.setup.ways.to(&way).first().map(|to| *to as usize),
+            way @ Way::Choice(_) => self.setup.ways.to(&way).first().map(|to| *to as usize),
         }
     }
 
