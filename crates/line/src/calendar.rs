@@ -196,7 +196,7 @@ impl<E: Copy> Default for Calendar<E> {
 }
 
 /// Index of the least key.
-#[inline(never)]
+#[inline]
 fn least(keys: &[u128; NEAR]) -> usize {
     let earlier = |a: (u128, usize), b: (u128, usize)| {
         let is_later = b.0 < a.0;
