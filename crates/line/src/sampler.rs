@@ -111,9 +111,19 @@ impl Sampler {
     /// Draws a duration in seconds: from 0 to [`MAX_SECONDS`].
     #[inline]
     pub fn draw(&mut self) -> f64 {
+        match self.shape {
+            Shape::Constant(value) => value,
+            Shape::Exponential { mean } => self.stream.exponential(mean).min(MAX_SECONDS),
+            _ => self.draw_otherwise(),
+        }
+    }
+
+    /// Draws from a distribution that takes longer.
+    #[inline(never)]
+    fn draw_otherwise(&mut self) -> f64 {
         let stream = &mut self.stream;
         let seconds = match &self.shape {
-            Shape::Constant(value) => return *value,
+            Shape::Constant(value) => *value,
             Shape::Uniform { low, width } => low + width * stream.unit(),
             Shape::Exponential { mean } => stream.exponential(*mean),
             Shape::Triangular(it) => it.sample(stream),

@@ -22,6 +22,7 @@ impl Clock {
     }
 
     /// Switches to this activity at `now`.
+    #[inline]
     pub(super) fn switch(&mut self, now: f64, activity: Activity) {
         self.seconds[self.activity as usize] += now - self.since;
         self.since = now;
@@ -29,6 +30,7 @@ impl Clock {
     }
 
     /// The activity under which time is booked now.
+    #[inline]
     pub(super) fn activity(&self) -> Activity {
         self.activity
     }
@@ -108,21 +110,21 @@ impl Clock {
     }
 }
 
-/// A number that changes in steps, with its integral over time.
+/// A number of parts that changes in steps, with its integral over time.
 #[derive(Debug, Clone)]
 pub(super) struct Level {
-    now: u64,
-    capacity: Option<u64>,
+    now: u32,
+    max: u32,
+    capacity: u32,
     since: f64,
     seconds: f64,
     area: f64,
     full_seconds: f64,
-    max: u64,
 }
 
 impl Level {
     /// Begins at 0, at time 0. Time with `capacity` counts as full.
-    pub(super) fn new(capacity: Option<u64>) -> Self {
+    pub(super) fn new(capacity: u32) -> Self {
         Self {
             now: 0,
             capacity,
@@ -135,21 +137,30 @@ impl Level {
     }
 
     /// Counts the time since the last change.
+    #[inline]
     pub(super) fn advance(&mut self, now: f64) {
         let seconds = now - self.since;
         self.since = now;
         self.seconds += seconds;
-        self.area += self.now as f64 * seconds;
-        if self.capacity == Some(self.now) {
+        self.area += f64::from(self.now) * seconds;
+        if self.now == self.capacity {
             self.full_seconds += seconds;
         }
     }
 
-    /// Changes the number by `change`.
-    pub(super) fn add(&mut self, now: f64, change: i64) {
+    /// Increases the number by one.
+    #[inline]
+    pub(super) fn increase(&mut self, now: f64) {
         self.advance(now);
-        self.now = self.now.saturating_add_signed(change);
+        self.now += 1;
         self.max = self.max.max(self.now);
+    }
+
+    /// Decreases the number by one.
+    #[inline]
+    pub(super) fn decrease(&mut self, now: f64) {
+        self.advance(now);
+        self.now = self.now.saturating_sub(1);
     }
 
     /// Forgets the past, but not the number.
@@ -180,7 +191,8 @@ impl Level {
     }
 
     /// The number now.
-    pub(super) fn level(&self) -> u64 {
+    #[inline]
+    pub(super) fn level(&self) -> u32 {
         self.now
     }
 
@@ -209,7 +221,7 @@ impl Level {
 
     /// Maximum.
     pub(super) fn max(&self) -> u64 {
-        self.max
+        u64::from(self.max)
     }
 }
 
@@ -222,10 +234,13 @@ pub(super) struct Waits {
 }
 
 impl Waits {
+    #[inline]
     pub(super) fn add(&mut self, seconds: f64) {
         self.count += 1;
         self.sum += seconds;
-        self.max = self.max.max(seconds);
+        if seconds > self.max {
+            self.max = seconds;
+        }
     }
 
     /// What was added after `earlier`, an earlier copy. The maximum is that of both.

@@ -19,7 +19,8 @@
 //! for a part that the belt before it has handed over. Turns at the next node are decided as for
 //! all other nodes; see `flow.rs`.
 
-use super::flow::Way;
+use super::queue::Request;
+use super::ways::Way;
 use super::{BELT, Event, Place, Run};
 use crate::log::EventKind;
 use crate::plant::part::PartIndex;
@@ -150,8 +151,7 @@ impl<'a> Run<'a> {
         let Some((declared, period)) = self.belt_declared(node) else {
             return;
         };
-        let outlet = self.setup.first_outlet[node];
-        let unload_ready = self.unload_ready(node, outlet);
+        let unload_ready = self.unload_ready(node);
         let next = self.next_on(node);
         let load = next.is_some();
         let belt = self.belt(node);
@@ -178,9 +178,10 @@ impl<'a> Run<'a> {
             // neighbor has changed.
             belt.ticking = false;
             self.violate(node, None, error);
-            self.ask(node, outlet);
+            self.progress.limit_violations();
+            self.ask(node);
             if unload_ready {
-                self.decline(node, outlet);
+                self.decline(node);
             }
             return;
         }
@@ -223,9 +224,9 @@ impl<'a> Run<'a> {
         } = belt;
         last_outputs.copy_from_slice(outputs);
         if unloaded {
-            self.unload(node, outlet);
+            self.unload(node);
         }
-        let had_turn = unload_ready && !unloaded && self.outlets[outlet].part.is_some();
+        let had_turn = unload_ready && !unloaded && self.nodes[node].outlet.part.is_some();
         if accepted {
             match next {
                 Some(Next::Inlet(part)) => {
@@ -235,7 +236,8 @@ impl<'a> Run<'a> {
                 }
                 Some(Next::Waiting(position)) => {
                     if let Some(request) = self.nodes[node].requests.remove(position) {
-                        self.transfer(request.outlet as usize, node);
+                        let (from, outlet) = (request.from as usize, request.outlet as usize);
+                        self.transfer(from, outlet, node);
                     }
                 }
                 None => {}
@@ -248,10 +250,10 @@ impl<'a> Run<'a> {
         belt.kept += usize::from(had_turn);
         let too_long = belt.kept > declared.places.len() + 2;
         if had_turn && (too_long || asleep) {
-            self.decline(node, outlet);
+            self.decline(node);
         }
         if at_end || asleep {
-            self.ask(node, outlet);
+            self.ask(node);
         }
         let belt = self.belt(node);
         belt.ticking = !asleep;
@@ -263,23 +265,22 @@ impl<'a> Run<'a> {
 
     /// Whether the next node would take the first part; true if there is no part on the belt,
     /// because then nothing is in the way of the next one.
-    fn unload_ready(&mut self, node: usize, outlet: usize) -> bool {
+    fn unload_ready(&mut self, node: usize) -> bool {
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return true;
         };
-        let way = match self.outlets[outlet].to {
+        let way = match self.nodes[node].outlet.to {
             Some(way) => Some(way),
             None => self.way(node, part),
         };
-        way.is_some_and(|way| self.room_at_end(outlet, part, way).is_some())
+        way.is_some_and(|way| self.room_at_end(node, part, way).is_some())
     }
 
     /// The place at the end of a way that would take a part now.
-    fn room_at_end(&self, outlet: usize, part: PartIndex, way: Way) -> Option<usize> {
-        let node = self.outlets[outlet].node;
+    fn room_at_end(&self, node: usize, part: PartIndex, way: Way) -> Option<usize> {
         let kind = self.parts[part].kind;
         self.choose(way, |to: &usize| {
-            self.admits(*to, kind, node) && !self.others_first(*to, Some(outlet))
+            self.admits(*to, kind, node) && !self.others_first(*to, Some(node))
         })
     }
 
@@ -290,9 +291,7 @@ impl<'a> Run<'a> {
             return None;
         };
         let mut requests = self.nodes[node].requests.iter().enumerate();
-        let waiting = requests.find(|(_, request)| {
-            !matches!(self.nodes[request.from as usize].place, Place::Belt(_))
-        });
+        let waiting = requests.find(|(_, request)| !request.is_belt);
         match (belt.inlet, waiting) {
             (Some((_, order)), Some((position, request))) if request.order < order => {
                 Some(Next::Waiting(position))
@@ -343,52 +342,64 @@ impl<'a> Run<'a> {
     }
 
     /// Registers that the first part waits for its next node, unless this is already registered.
-    fn ask(&mut self, node: usize, outlet: usize) {
-        if self.outlets[outlet].part.is_some() {
+    fn ask(&mut self, node: usize) {
+        if self.nodes[node].outlet.part.is_some() {
             return;
         }
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return;
         };
-        self.outlets[outlet].part = Some(part);
-        self.outlets[outlet].to = self.way(node, part);
-        if let Some(way) = self.outlets[outlet].to {
+        let way = self.way(node, part);
+        self.nodes[node].outlet.part = Some(part);
+        self.nodes[node].outlet.to = way;
+        if let Some(way) = way {
             let setup = self.setup;
-            for &to in setup.ways.to(way) {
-                self.request(outlet, to, self.parts[part].kind, None);
+            for &to in setup.ways.to(&way) {
+                let to = to as usize;
+                let request = Request {
+                    order: self.next_number(),
+                    outlet: node as u32,
+                    kind: self.parts[part].kind as u32,
+                    from: node as u32,
+                    is_belt: true,
+                    declined: false,
+                };
+                self.register(to, request);
             }
         }
     }
 
     /// Ends the turn of the first part, which was not handed over to the next node: parts that wait
     /// behind it go first.
-    fn decline(&mut self, node: usize, outlet: usize) {
+    fn decline(&mut self, node: usize) {
         self.belt(node).kept = 0;
-        let Some(way) = self.outlets[outlet].to else {
+        let Some(way) = self.nodes[node].outlet.to else {
             return;
         };
         let setup = self.setup;
-        for &to in setup.ways.to(way) {
-            if self.lose_turn(to, outlet) {
+        for &to in setup.ways.to(&way) {
+            let to = to as usize;
+            if self.lose_turn(to, node) {
                 self.look_at(to);
             }
         }
     }
 
     /// Removes the first part from the belt.
-    fn unload(&mut self, node: usize, outlet: usize) {
+    fn unload(&mut self, node: usize) {
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return;
         };
-        if self.outlets[outlet].part.is_none() {
-            self.outlets[outlet].part = Some(part);
-            self.outlets[outlet].to = self.way(node, part);
+        if self.nodes[node].outlet.part.is_none() {
+            let way = self.way(node, part);
+            self.nodes[node].outlet.part = Some(part);
+            self.nodes[node].outlet.to = way;
         }
         self.belt(node).kept = 0;
-        let way = self.outlets[outlet].to;
-        if let Some(to) = way.and_then(|way| self.room_at_end(outlet, part, way)) {
-            self.nodes[to].requests.withdraw(outlet);
-            self.transfer(outlet, to);
+        let way = self.nodes[node].outlet.to;
+        if let Some(to) = way.and_then(|way| self.room_at_end(node, part, way)) {
+            self.nodes[to].requests.withdraw(node);
+            self.transfer(node, node, to);
             // The requests behind this one had to wait for it; now they are examined.
             self.look_at(to);
         }

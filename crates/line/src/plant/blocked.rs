@@ -168,11 +168,8 @@ impl Run<'_> {
     /// Returns the first cycle; if there is none, the first chain that ends somewhere; `None` if
     /// nothing waits.
     fn chain(&self) -> Option<Chain> {
-        let waiting = self
-            .outlets
-            .iter()
-            .filter(|outlet| outlet.part.is_some())
-            .map(|outlet| outlet.node);
+        let waits = |outlet: usize| self.outlet(outlet).part.is_some();
+        let waiting = (0..self.nodes.len()).filter(|&node| self.outlets_of(node).any(waits));
         let begun = (0..self.nodes.len()).filter(|&node| match &self.nodes[node].place {
             Place::Station(station) => station.components().next().is_some(),
             Place::Belt(belt) => !belt.held.is_empty(),
@@ -225,12 +222,12 @@ impl Run<'_> {
         let name = self.name(node);
         let waiting = self
             .outlets_of(node)
-            .map(|outlet| self.outlets[outlet])
+            .map(|outlet| self.outlet(outlet))
             .find_map(|outlet| outlet.part.map(|part| (part, outlet.to)));
         match (waiting, &self.nodes[node].place) {
             (Some((_, Some(way))), _) => {
-                let places = self.setup.ways.to(way);
-                let rooms = places.iter().map(|&to| {
+                let places = self.setup.ways.to(&way).iter().map(|to| *to as usize);
+                let rooms = places.clone().map(|to| {
                     let room = match self.nodes[to].place {
                         Place::Conveyor(_) | Place::Belt(_) => "room on ",
                         Place::Buffer(_) => "room in ",
@@ -241,7 +238,7 @@ impl Run<'_> {
                 let rooms: Vec<String> = rooms.collect();
                 Some(Reason {
                     text: format!("{name} waits for {}", rooms.join(" or ")),
-                    next: places.first().copied(),
+                    next: places.clone().next(),
                 })
             }
             (Some((part, None)), _) => Some(Reason {
@@ -306,7 +303,7 @@ impl Run<'_> {
     fn holds(&self, node: usize, kind: usize) -> bool {
         let is = |part: PartIndex| self.parts[part].kind == kind;
         self.outlets_of(node)
-            .filter_map(|outlet| self.outlets[outlet].part)
+            .filter_map(|outlet| self.outlet(outlet).part)
             .any(is)
             || self.held(node).into_iter().any(is)
     }

@@ -6,6 +6,7 @@
 use super::part::{Part, PartIndex};
 use super::{Event, Place, Run, WORK};
 use crate::calls::Real;
+use crate::log::EventKind;
 use crate::sampler::Sampler;
 use crate::statistics::{Level, Waits};
 use linewright_language::contract::line::BufferOrder;
@@ -14,8 +15,10 @@ use std::collections::{BTreeMap, VecDeque};
 /// State of a buffer.
 #[derive(Debug)]
 pub(super) struct Buffer {
-    capacity: u64,
+    capacity: u32,
     order: BufferOrder,
+    /// Whether parts are ready at once, leave in the order in which they came, and never expire.
+    is_plain: bool,
     ready: Ready,
     /// Number of parts that have come.
     came: i64,
@@ -27,6 +30,9 @@ pub(super) struct Buffer {
     shelf_life: Option<f64>,
     /// Parts in the order in which they expire. Some have left already.
     expiries: VecDeque<Expiry>,
+    /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
+    /// takes.
+    pub turn: Option<u64>,
     pub level: Level,
     pub waits: Waits,
     /// Number of parts that have expired.
@@ -77,8 +83,9 @@ pub(super) struct Arrival {
 impl Buffer {
     pub(super) fn new(capacity: u32, order: &BufferOrder) -> Self {
         Self {
-            capacity: u64::from(capacity),
+            capacity,
             order: order.clone(),
+            is_plain: matches!(order, BufferOrder::FirstIn),
             ready: match order {
                 BufferOrder::FirstIn => Ready::Queue(VecDeque::new()),
                 _ => Ready::Ranked(BTreeMap::new()),
@@ -88,7 +95,8 @@ impl Buffer {
             resting: BTreeMap::new(),
             shelf_life: None,
             expiries: VecDeque::new(),
-            level: Level::new(Some(u64::from(capacity))),
+            turn: None,
+            level: Level::new(capacity),
             waits: Waits::default(),
             expired: 0,
         }
@@ -96,12 +104,20 @@ impl Buffer {
 
     /// Lets each part rest for a time that is drawn.
     pub(super) fn with_dwell(self, dwell: Option<Sampler>) -> Self {
-        Self { dwell, ..self }
+        Self {
+            is_plain: self.is_plain && dwell.is_none(),
+            dwell,
+            ..self
+        }
     }
 
     /// Lets each part expire after these seconds.
     pub(super) fn with_shelf_life(self, shelf_life: Option<f64>) -> Self {
-        Self { shelf_life, ..self }
+        Self {
+            is_plain: self.is_plain && shelf_life.is_none(),
+            shelf_life,
+            ..self
+        }
     }
 
     /// Number of parts.
@@ -124,7 +140,7 @@ impl Buffer {
     pub(super) fn first(&self) -> Option<PartIndex> {
         match &self.ready {
             Ready::Queue(queue) => queue.front().map(|waiting| waiting.part),
-            Ready::Ranked(ranked) => ranked.first_key_value().map(|(_, waiting)| waiting.part),
+            Ready::Ranked(ranked) => first(ranked),
         }
     }
 
@@ -136,28 +152,40 @@ impl Buffer {
         }
     }
 
-    /// A part comes.
+    /// Whether parts are ready at once, leave in the order in which they came, and never expire.
     #[inline]
-    pub(super) fn put(&mut self, index: PartIndex, part: &Part, now: f64) -> Arrival {
-        self.came += 1;
-        self.level.add(now, 1);
-        let waiting = Waiting {
-            part: index,
-            since: now,
-            number: self.came,
-        };
-        if let (Ready::Queue(queue), None, None) = (&mut self.ready, &self.dwell, self.shelf_life) {
-            queue.push_back(waiting);
-            return Arrival {
-                is_next: queue.len() == 1,
-                ready_at: None,
-                expires_at: None,
-            };
-        }
-        self.put_ranked(waiting, part, now)
+    pub(super) fn is_plain(&self) -> bool {
+        self.is_plain
     }
 
-    fn put_ranked(&mut self, waiting: Waiting, part: &Part, now: f64) -> Arrival {
+    /// A part comes to a plain buffer. Returns whether it will be the next to leave.
+    #[inline]
+    pub(super) fn put(&mut self, part: PartIndex, now: f64) -> bool {
+        let waiting = self.admit(part, now);
+        match &mut self.ready {
+            Ready::Queue(queue) => {
+                queue.push_back(waiting);
+                queue.len() == 1
+            }
+            Ready::Ranked(_) => unreachable!("the buffer ranks its parts; please report this"),
+        }
+    }
+
+    /// Counts a part that comes.
+    #[inline]
+    fn admit(&mut self, part: PartIndex, now: f64) -> Waiting {
+        self.came += 1;
+        self.level.increase(now);
+        Waiting {
+            part,
+            since: now,
+            number: self.came,
+        }
+    }
+
+    /// A part comes to a buffer of any kind.
+    fn put_ranked(&mut self, index: PartIndex, part: &Part, now: f64) -> Arrival {
+        let waiting = self.admit(index, now);
         let rank = self.rank(part);
         let dwell = self.dwell.as_mut().map_or(0.0, Sampler::draw);
         let ready_at = now + dwell;
@@ -221,10 +249,11 @@ impl Buffer {
     pub(super) fn take(&mut self, now: f64) {
         let taken = match &mut self.ready {
             Ready::Queue(queue) => queue.pop_front(),
-            Ready::Ranked(ranked) => ranked.pop_first().map(|(_, taken)| taken),
+            Ready::Ranked(ranked) => pop_first(ranked),
         };
         if let Some(Waiting { since, .. }) = taken {
-            self.level.add(now, -1);
+            self.turn = None;
+            self.level.decrease(now);
             self.waits.add(now - since);
         }
     }
@@ -247,7 +276,7 @@ impl Buffer {
             Ready::Ranked(ranked) => ranked.remove(&expiry.rank),
         });
         let Waiting { part, .. } = found?;
-        self.level.add(now, -1);
+        self.level.decrease(now);
         self.expired += 1;
         Some((part, first == Some(part)))
     }
@@ -260,6 +289,16 @@ impl Buffer {
     }
 }
 
+#[inline(never)]
+fn first(ranked: &BTreeMap<Rank, Waiting>) -> Option<PartIndex> {
+    ranked.first_key_value().map(|(_, waiting)| waiting.part)
+}
+
+#[inline(never)]
+fn pop_first(ranked: &mut BTreeMap<Rank, Waiting>) -> Option<Waiting> {
+    ranked.pop_first().map(|(_, taken)| taken)
+}
+
 impl Run<'_> {
     fn buffer(&mut self, node: usize) -> &mut Buffer {
         match &mut self.nodes[node].place {
@@ -268,9 +307,15 @@ impl Run<'_> {
         }
     }
 
-    /// A part comes to a buffer.
-    #[inline]
-    pub(super) fn buffer_arrival(&mut self, node: usize, arrival: &Arrival) {
+    /// A part comes to a buffer that is not plain.
+    #[inline(never)]
+    pub(super) fn buffer_arrival(&mut self, node: usize, part: PartIndex) {
+        let now = self.now;
+        let arrival = match &mut self.nodes[node].place {
+            Place::Buffer(buffer) => buffer.put_ranked(part, &self.parts[part], now),
+            _ => unreachable!("node {node} is not a buffer; please report this"),
+        };
+        self.record(node, Some(part), EventKind::Arrived);
         if let Some(time) = arrival.ready_at {
             self.schedule(time, WORK, Event::Rested(node as u32));
         }
@@ -302,8 +347,7 @@ impl Run<'_> {
         if was_next {
             self.overtake(node);
             // The next part does not take the turn of one that is gone.
-            let outlet = self.setup.first_outlet[node];
-            self.outlets[outlet].since = None;
+            self.buffer(node).turn = None;
         }
         self.scrap(node, part);
         self.look_at(node);

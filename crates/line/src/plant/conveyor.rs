@@ -14,12 +14,14 @@
 use super::{Event, Place, Run, WORK};
 use crate::log::EventKind;
 use crate::plant::part::PartIndex;
-use linewright_language::contract::line::NodeKind;
 use std::collections::VecDeque;
 
 /// State of a conveyor.
 #[derive(Debug, Default)]
 pub(super) struct Conveyor {
+    /// Number of places, and seconds per place.
+    places: usize,
+    period: f64,
     /// Parts, the first to leave in front, each with the time at which it would reach the end if
     /// its way were free.
     pub parts: VecDeque<(PartIndex, f64)>,
@@ -39,6 +41,34 @@ pub(super) struct Conveyor {
 }
 
 impl Conveyor {
+    /// Creates a conveyor with this number of places, and seconds per place.
+    pub(super) fn new(places: usize, period: f64) -> Self {
+        Self {
+            places,
+            period,
+            ..Self::default()
+        }
+    }
+
+    /// Whether a part can come on at `now`.
+    pub(super) fn admits(&self, now: f64) -> bool {
+        self.parts.len() < self.places && now >= self.opens
+    }
+
+    /// The first part has left.
+    pub(super) fn left(&mut self, now: f64) {
+        self.book(now);
+        self.parts.pop_front();
+        self.carried += 1;
+        self.closes = now + self.period;
+        // Without the part that left, the remaining parts can move up by one more pitch.
+        self.moving_until = if self.parts.is_empty() {
+            now
+        } else {
+            self.moving_until.max(now) + self.period
+        };
+    }
+
     /// Counts the time in which something moved.
     fn book(&mut self, now: f64) {
         self.moving_seconds = self.moving_seconds(now);
@@ -59,37 +89,13 @@ impl Conveyor {
 }
 
 impl Run<'_> {
-    /// Number of places, and seconds per place.
-    fn belt_of(&self, node: usize) -> (usize, f64) {
-        match self.line.nodes[node].kind {
-            NodeKind::Conveyor {
-                places,
-                pitch,
-                speed,
-                ..
-            } => (places as usize, pitch / speed),
-            _ => (0, 0.0),
-        }
-    }
-
-    /// Whether a part can come on now.
-    pub(super) fn conveyor_admits(&self, node: usize) -> bool {
-        let (places, _) = self.belt_of(node);
-        match &self.nodes[node].place {
-            Place::Conveyor(conveyor) => {
-                conveyor.parts.len() < places && self.now >= conveyor.opens
-            }
-            _ => false,
-        }
-    }
-
     pub(super) fn conveyor_arrival(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
         let now = self.now;
-        let (places, period) = self.belt_of(node);
         let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
             return;
         };
+        let (places, period) = (conveyor.places, conveyor.period);
         conveyor.book(now);
         let ahead = conveyor.parts.len();
         conveyor.moving_until = conveyor
@@ -128,35 +134,17 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    pub(super) fn conveyor_left(&mut self, node: usize) {
-        let now = self.now;
-        let (_, period) = self.belt_of(node);
-        let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
-            return;
-        };
-        conveyor.book(now);
-        conveyor.parts.pop_front();
-        conveyor.carried += 1;
-        conveyor.closes = now + period;
-        // Without the part that left, the remaining parts can move up by one more pitch.
-        conveyor.moving_until = if conveyor.parts.is_empty() {
-            now
-        } else {
-            conveyor.moving_until.max(now) + period
-        };
-    }
-
     /// Ensures that waiting parts are let on as soon as the first place is free.
     pub(super) fn reopen_later(&mut self, node: usize) {
         let now = self.now;
-        let (places, _) = self.belt_of(node);
         if self.nodes[node].requests.is_empty() {
             return;
         }
         let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
             return;
         };
-        if conveyor.parts.len() < places && now < conveyor.opens && !conveyor.reopening {
+        let has_room = conveyor.parts.len() < conveyor.places;
+        if has_room && now < conveyor.opens && !conveyor.reopening {
             conveyor.reopening = true;
             let opens = conveyor.opens;
             self.schedule(opens, WORK, Event::Reopen(node as u32));

@@ -69,7 +69,7 @@ impl Counters {
             scrapped: 0,
             consumed: 0,
             before: 0,
-            units: Level::new(None),
+            units: Level::new(u32::MAX),
             unit_seconds: 0.0,
             in_line: vec![0; types],
             rejects: vec![(0, 0); types],
@@ -81,7 +81,7 @@ impl Counters {
     pub(super) fn forget(&mut self, line: &Line, now: f64, seed: u64) {
         self.units.forget(now);
         *self = Self {
-            before: self.units.level(),
+            before: u64::from(self.units.level()),
             units: self.units.clone(),
             in_line: std::mem::take(&mut self.in_line),
             observations: self.observations.take(),
@@ -92,13 +92,13 @@ impl Counters {
     /// Counts a part that comes into the line.
     pub(super) fn unit_enters(&mut self, now: f64) {
         self.entered += 1;
-        self.units.add(now, 1);
+        self.units.increase(now);
     }
 
     /// Counts a part that leaves the line, and that has been in it since `since`. Counting began at
     /// `start`.
     pub(super) fn unit_leaves(&mut self, now: f64, since: f64, start: f64) {
-        self.units.add(now, -1);
+        self.units.decrease(now);
         self.unit_seconds += now - since.max(start);
     }
 

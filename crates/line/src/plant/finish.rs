@@ -1,6 +1,6 @@
 //! The end of a run: closes and checks the accounts, and creates the trace.
 
-use super::{Place, Run};
+use super::{Node, Place, Run};
 use crate::bottleneck::Bottleneck;
 use crate::requirement;
 use crate::statistics::Activity;
@@ -26,7 +26,8 @@ impl Run<'_> {
             }
         }
         for (index, node) in self.line.nodes.iter().enumerate() {
-            match (&node.kind, &mut self.nodes[index].place) {
+            let Node { place, outlet, .. } = &mut self.nodes[index];
+            match (&node.kind, place) {
                 (NodeKind::Station(declared), Place::Station(station)) => {
                     station.close(now, declared.idle_watts);
                     stations.push(StationStatistics {
@@ -77,9 +78,7 @@ impl Run<'_> {
                     });
                 }
                 (NodeKind::Source { .. }, Place::Source(source)) => {
-                    let outlet = self.setup.first_outlet[index];
-                    let waits = self.outlets[outlet].part.is_some();
-                    let (passed, blocked, lost) = source.close(now, counted, waits);
+                    let (passed, blocked, lost) = source.close(now, counted, outlet.part.is_some());
                     sources.push(SourceStatistics {
                         node: index,
                         name: node.name.clone(),

@@ -1,4 +1,4 @@
-//! Moves parts from node to node: ways, outlets, admission, and order.
+//! Moves parts from node to node: outlets, admission, and order.
 //!
 //! Each node has an *outlet* for the part that would leave next; a store has one for each type that
 //! leaves it. Once a part is at an outlet, its way is fixed. The part moves when the next node
@@ -28,159 +28,86 @@
 
 use super::part::PartIndex;
 use super::queue::Request;
+use super::ways::Way;
 use super::{Node, Place, Run};
 use crate::log::{EventKind, Other};
-use crate::trace::End;
-use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::line::{Choice, Line, NodeKind};
-use linewright_language::contract::machine::RealExpr;
+use linewright_language::contract::line::{Line, NodeKind};
 use std::ops::Range;
 
-/// The point where a node's next part waits to leave.
-#[derive(Debug, Clone, Copy)]
+/// The point where a node's next part waits to leave. The outlet of a node has the number of the
+/// node; those of stores, one for each type that leaves them, are numbered from there on.
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Outlet {
-    /// The node.
-    pub node: usize,
-    /// The only part type that the outlet of a store serves; `None` at other nodes.
-    pub kind: Option<usize>,
     /// The part that would leave; `None` if the outlet is empty.
     pub part: Option<PartIndex>,
     /// Where it goes; `None` if no route applies.
     pub to: Option<Way>,
-    /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
-    /// takes.
-    pub since: Option<u64>,
 }
 
-/// The routes of which a part takes one: indices into [`Ways::to`], and the choice to which they
-/// belong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Way {
-    first: u32,
-    end: u32,
-    choice: Option<u32>,
-    /// The place to which the part goes; `None` if it is open to which of several.
-    only: Option<u32>,
-}
-
-/// Routes by node and part type.
-pub(super) struct Ways {
-    types: usize,
-    /// By node and part type: the way, if all parts take the same one.
-    same: Vec<Option<Way>>,
-    /// By node and part type: range of `all`.
-    index: Vec<Range<u32>>,
-    all: Vec<(Way, Option<RealExpr>)>,
-    to: Vec<usize>,
-}
-
-impl Ways {
-    pub(super) fn new(line: &Line) -> Self {
-        let types = line.parts.len();
-        let mut by_start: Vec<Vec<(Way, Option<RealExpr>)>> =
-            vec![Vec::new(); line.nodes.len() * types];
-        let mut at = 0;
-        while at < line.routes.len() {
-            let route = &line.routes[at];
-            let end = line.end_of_way(at);
-            let way = Way {
-                first: at as u32,
-                end: end as u32,
-                choice: route.choice.map(|choice| choice as u32),
-                only: (end == at + 1).then_some(route.to as u32),
-            };
-            by_start[route.from * types + route.part].push((way, route.condition.clone()));
-            at = end;
-        }
-        let mut all = Vec::new();
-        let mut index = Vec::new();
-        let mut same = Vec::new();
-        for ways in by_start {
-            same.push(match ways[..] {
-                [(way, None), ..] if way.choice.is_none() => Some(way),
-                _ => None,
-            });
-            let first = all.len() as u32;
-            all.extend(ways);
-            index.push(first..all.len() as u32);
-        }
-        Self {
-            types,
-            same,
-            index,
-            all,
-            to: line.routes.iter().map(|route| route.to).collect(),
-        }
-    }
-
-    /// The places at the ends of a way.
-    pub(super) fn to(&self, way: Way) -> &[usize] {
-        &self.to[way.first as usize..way.end as usize]
-    }
-
-    /// The way of a part type from a node, if all parts take the same one.
-    #[inline]
-    fn same(&self, node: usize, part: usize) -> Option<Way> {
-        self.same[node * self.types + part]
-    }
-
-    /// Ways of a part type from a node, in order.
-    pub(super) fn from(&self, node: usize, part: usize) -> &[(Way, Option<RealExpr>)] {
-        let range = &self.index[node * self.types + part];
-        &self.all[range.start as usize..range.end as usize]
-    }
-}
-
-/// The outlets of a line, all empty, and the index of each node's first outlet, followed by the
-/// number of outlets.
-pub(super) fn outlets(line: &Line) -> (Vec<Outlet>, Vec<usize>) {
-    let mut outlets = Vec::new();
-    let mut first = Vec::new();
-    for (node, declared) in line.nodes.iter().enumerate() {
-        first.push(outlets.len());
-        let outlet = |kind| Outlet {
-            node,
-            kind,
-            part: None,
-            to: None,
-            since: None,
-        };
-        match declared.kind {
-            NodeKind::Sink { .. } => {}
-            NodeKind::Store { .. } => outlets.extend(
-                (0..line.parts.len())
-                    .filter(|&part| {
-                        line.routes
-                            .iter()
-                            .any(|route| route.from == node && route.part == part)
-                    })
-                    .map(|part| outlet(Some(part))),
-            ),
-            _ => outlets.push(outlet(None)),
-        }
-    }
-    first.push(outlets.len());
-    (outlets, first)
+/// The outlets of stores: for each, the store, and the only part type that it serves.
+pub(super) fn store_outlets(line: &Line) -> Vec<(usize, usize)> {
+    let nodes = line.nodes.iter().enumerate();
+    let stores = nodes.filter(|(_, declared)| matches!(declared.kind, NodeKind::Store { .. }));
+    let outlets =
+        stores.flat_map(|(store, _)| (0..line.parts.len()).map(move |kind| (store, kind)));
+    let leaves = |&(store, kind): &(usize, usize)| {
+        let mut routes = line.routes.iter();
+        routes.any(|route| route.from == store && route.part == kind)
+    };
+    outlets.filter(leaves).collect()
 }
 
 impl Run<'_> {
     /// The outlets of a node.
     pub(super) fn outlets_of(&self, node: usize) -> Range<usize> {
-        self.setup.first_outlet[node]..self.setup.first_outlet[node + 1]
+        match &self.nodes[node].place {
+            Place::Store(store) => {
+                let first = self.nodes.len();
+                first + store.outlets.start..first + store.outlets.end
+            }
+            _ => node..node + 1,
+        }
+    }
+
+    /// An outlet.
+    #[inline]
+    pub(super) fn outlet(&self, outlet: usize) -> &Outlet {
+        match self.nodes.get(outlet) {
+            Some(node) => &node.outlet,
+            None => &self.store_outlets[outlet - self.nodes.len()],
+        }
+    }
+
+    /// An outlet.
+    #[inline]
+    pub(super) fn outlet_mut(&mut self, outlet: usize) -> &mut Outlet {
+        let count = self.nodes.len();
+        match self.nodes.get_mut(outlet) {
+            Some(node) => &mut node.outlet,
+            None => &mut self.store_outlets[outlet - count],
+        }
     }
 
     /// Schedules the node to be examined again.
+    #[inline]
     pub(super) fn look_at(&mut self, node: usize) {
-        self.agenda.push(node);
+        self.agenda.push(node, &mut self.nodes[node].is_listed);
+    }
+
+    /// Whether nothing must move any more, because the run ends.
+    #[inline]
+    fn is_over(&self) -> bool {
+        self.end.is_some() || self.progress.is_stuck_at_instant()
     }
 
     /// Examines nodes until nothing moves any more at this instant.
     pub(super) fn settle(&mut self) {
-        while self.end.is_none()
-            && let Some(node) = self.agenda.pop()
-        {
+        if self.is_over() {
+            return;
+        }
+        while let Some(node) = self.agenda.pop() {
             self.examine(node);
-            if self.progress.is_stuck_at_instant() {
+            if self.is_over() {
                 break;
             }
         }
@@ -188,145 +115,211 @@ impl Run<'_> {
 
     /// Moves a node's next parts to its outlets, or lets a station join. Then gives the node's room
     /// to the parts that wait for it.
+    #[inline]
     fn examine(&mut self, node: usize) {
-        let Node { place, outlet, .. } = &self.nodes[node];
-        let outlet = *outlet;
-        match place {
+        let examined = &mut self.nodes[node];
+        examined.is_listed = false;
+        match &examined.place {
             Place::Station(station) => {
                 if station.joins_some() {
                     self.station_ready(node);
+                    if self.is_over() {
+                        return;
+                    }
+                    self.serve(node);
+                } else if !examined.requests.is_empty() {
+                    self.serve_requests(node);
                 }
-                self.serve(node);
                 self.begin_wait(node);
-                return;
             }
-            Place::Belt(_) | Place::Sink => {}
             Place::Buffer(_) => {
-                while self.is_free(outlet)
-                    && let Place::Buffer(buffer) = &self.nodes[node].place
+                while let examined = &self.nodes[node]
+                    && examined.outlet.part.is_none()
+                    && let Place::Buffer(buffer) = &examined.place
                     && let Some(next) = buffer.first()
                 {
-                    self.offer(outlet, next);
+                    self.offer(node, node, next);
+                    if self.is_over() {
+                        return;
+                    }
                 }
+                self.serve(node);
             }
+            _ => self.examine_otherwise(node),
+        }
+    }
+
+    /// Examines a node that is neither a station nor a buffer.
+    #[inline(never)]
+    fn examine_otherwise(&mut self, node: usize) {
+        match &self.nodes[node].place {
             Place::Source(_) => {
-                while self.is_free(outlet)
+                while self.is_free(node)
                     && let Some(next) = self.make(node)
                 {
-                    self.offer(outlet, next);
+                    self.offer(node, node, next);
                 }
             }
             Place::Conveyor(_) => {
-                while self.is_free(outlet)
+                while self.is_free(node)
                     && let Some(next) = self.conveyor_end(node)
                 {
-                    self.offer(outlet, next);
+                    self.offer(node, node, next);
                 }
-                self.serve(node);
-                self.reopen_later(node);
-                return;
             }
             Place::Store(_) => {
                 for outlet in self.outlets_of(node) {
                     while self.is_free(outlet)
                         && let Some(next) = self.give_out(node, outlet)
                     {
-                        self.offer(outlet, next);
+                        self.offer(node, outlet, next);
                     }
                 }
             }
+            Place::Belt(_) | Place::Sink | Place::Station(_) | Place::Buffer(_) => {}
         }
-        self.serve(node);
+        if !self.is_over() {
+            self.serve(node);
+            self.reopen_later(node);
+        }
     }
 
     /// Whether an outlet can take another part, and the run goes on.
-    #[inline]
     fn is_free(&self, outlet: usize) -> bool {
-        self.outlets[outlet].part.is_none()
-            && self.end.is_none()
-            && !self.progress.is_stuck_at_instant()
+        self.outlet(outlet).part.is_none() && !self.is_over()
     }
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
-    pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
+    ///
+    /// Most parts go to a place for which nobody waits, or wait for a station or a buffer without
+    /// room. That is decided here, and everything else in [`Self::offer_in_turn`].
+    pub(super) fn offer(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
-        let node = self.outlets[outlet].node;
-        let way = self.way(node, part);
-        let offered = &mut self.outlets[outlet];
-        let since = offered.since.take();
-        offered.part = Some(part);
-        offered.to = way;
-        let Some(way) = way else { return };
-        if let Some(to) = way.only {
-            let to = to as usize;
-            let admitted = self.admits(to, kind, node);
-            if admitted && !self.others_first(to, None) && !self.bill_first(to, kind) {
-                self.transfer(outlet, to);
-                return;
+        let Some(to) = self.setup.ways.always(node, kind) else {
+            return self.offer_in_turn(node, outlet, part);
+        };
+        let to = to as usize;
+        let Node {
+            place, requests, ..
+        } = &self.nodes[to];
+        let has_room = match place {
+            Place::Buffer(buffer) => buffer.has_room(),
+            Place::Station(station) if !station.joins_some() => station.takes_alone(kind),
+            Place::Sink => true,
+            _ => return self.offer_in_turn(node, outlet, part),
+        };
+        if !has_room {
+            self.wait_for(node, outlet, part, kind, to);
+        } else if requests.is_empty() {
+            self.hand_over(node, to, part);
+        } else {
+            self.offer_in_turn(node, outlet, part);
+        }
+    }
+
+    /// Lets a part wait at an outlet for the only place to which it goes.
+    #[inline(never)]
+    fn wait_for(&mut self, node: usize, outlet: usize, part: PartIndex, kind: usize, to: usize) {
+        let offered = Outlet {
+            part: Some(part),
+            to: Some(Way::To(to as u32)),
+        };
+        let waiting = &mut self.nodes[node];
+        if outlet == node {
+            waiting.outlet = offered;
+        } else {
+            let count = self.nodes.len();
+            self.store_outlets[outlet - count] = offered;
+        }
+        match &mut self.nodes[node].place {
+            Place::Buffer(buffer) => {
+                let since = buffer.turn.take();
+                self.request(node, outlet, to, kind, since);
             }
-            self.request(outlet, to, kind, since);
-            if admitted {
+            Place::Station(_) => {
+                self.request(node, outlet, to, kind, None);
+                self.begin_wait(node);
+            }
+            _ => self.request(node, outlet, to, kind, None),
+        }
+    }
+
+    /// Handles a part that is ready to leave, and that may have to choose, or to let others go
+    /// first.
+    #[inline(never)]
+    fn offer_in_turn(&mut self, node: usize, outlet: usize, part: PartIndex) {
+        let kind = self.parts[part].kind;
+        let Some(way) = self.way(node, part) else {
+            self.turn(node);
+            self.outlet_mut(outlet).part = Some(part);
+            return;
+        };
+        let is_free = |to: &usize| self.admits(*to, kind, node) && self.is_first(*to, kind);
+        if let Some(to) = self.choose(way, is_free) {
+            if let Way::Choice(_) = way {
+                self.take_chosen_way(node, outlet, to, way);
+            }
+            self.hand_over(node, to, part);
+            return;
+        }
+        let offered = self.outlet_mut(outlet);
+        offered.part = Some(part);
+        offered.to = Some(way);
+        let since = self.turn(node);
+        for &to in self.setup.ways.to(&way) {
+            let to = to as usize;
+            self.request(node, outlet, to, kind, since);
+            if self.admits(to, kind, node) {
                 // An older request or a complete bill goes first, so the node is examined to serve
                 // it.
                 self.look_at(to);
             }
-        } else if let Some(to) = self.free_place(outlet, way) {
-            self.transfer(outlet, to);
-        } else {
-            let setup = self.setup;
-            for &to in setup.ways.to(way) {
-                self.request(outlet, to, kind, since);
-                if self.admits(to, kind, node) {
-                    self.look_at(to);
-                }
-            }
+        }
+        self.begin_wait(node);
+    }
+
+    /// Takes the sequence number of the request of a part that the next part of a buffer has
+    /// overtaken.
+    #[inline]
+    fn turn(&mut self, node: usize) -> Option<u64> {
+        match &mut self.nodes[node].place {
+            Place::Buffer(buffer) => buffer.turn.take(),
+            _ => None,
         }
     }
 
-    /// The place to which a newcomer can go at once, of those at the ends of its way.
-    fn free_place(&self, outlet: usize, way: Way) -> Option<usize> {
-        let Outlet { node, part, .. } = self.outlets[outlet];
-        let kind = self.parts[part?].kind;
-        self.choose(way, |to: &usize| {
-            self.admits(*to, kind, node)
-                && !self.others_first(*to, Some(outlet))
-                && !self.bill_first(*to, kind)
-        })
-    }
-
-    /// Of the places at the ends of a way that take a part, the first one or, for the shortest
-    /// queue, the first with the fewest parts.
-    pub(super) fn choose(&self, way: Way, takes: impl Fn(&usize) -> bool) -> Option<usize> {
-        let mut places = self.setup.ways.to(way).iter().copied().filter(takes);
-        match way.choice.map(|choice| &self.line.choices[choice as usize]) {
-            Some(Choice::ShortestQueue) => places.min_by_key(|to| self.load(*to)),
-            _ => places.next(),
-        }
-    }
-
-    /// Registers that the outlet waits for a node. With `since`, it takes the turn of an earlier
-    /// request with this sequence number.
-    pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
-        let mut request = Request {
-            order: 0,
+    /// Registers that the outlet of a node that is no belt waits for another node. It takes the
+    /// turn of an earlier request with the sequence number `since`, if there is one.
+    #[inline]
+    fn request(&mut self, from: usize, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
+        let order = since.unwrap_or_else(|| self.next_number());
+        let request = Request {
+            order,
             outlet: outlet as u32,
             kind: kind as u32,
-            from: self.outlets[outlet].node as u32,
+            from: from as u32,
+            is_belt: false,
             declined: false,
         };
-        match since {
-            None => {
-                request.order = self.next_number();
-                self.nodes[to].requests.push(request);
-            }
-            Some(order) => {
-                request.order = order;
-                self.nodes[to].requests.insert(request);
-            }
+        self.register(to, request);
+    }
+
+    /// Registers a request to a node.
+    #[inline]
+    pub(super) fn register(&mut self, to: usize, request: Request) {
+        let awaited = &mut self.nodes[to];
+        awaited.requests.insert(request);
+        if let Place::Conveyor(_) | Place::Belt(_) = awaited.place {
+            self.expect(to);
         }
-        match self.nodes[to].place {
-            Place::Conveyor(_) => self.reopen_later(to),
-            Place::Belt(_) => self.wake(to),
+    }
+
+    /// Lets a conveyor or a belt take a part that waits for it.
+    #[inline(never)]
+    fn expect(&mut self, node: usize) {
+        match self.nodes[node].place {
+            Place::Conveyor(_) => self.reopen_later(node),
+            Place::Belt(_) => self.wake(node),
             _ => {}
         }
     }
@@ -349,66 +342,8 @@ impl Run<'_> {
             declined: true,
             ..request
         };
-        self.nodes[to].requests.push(request);
+        self.nodes[to].requests.insert(request);
         true
-    }
-
-    /// The way of a part, by the first route whose condition holds, to the place that the choice
-    /// determines. If there is none, adds a finding.
-    #[inline]
-    pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
-        let same = self.setup.ways.same(node, self.parts[part].kind);
-        same.or_else(|| self.chosen_way(node, part))
-    }
-
-    fn chosen_way(&mut self, node: usize, part: PartIndex) -> Option<Way> {
-        let Self {
-            setup,
-            parts,
-            choosers,
-            ..
-        } = self;
-        let part = &parts[part];
-        let way = setup
-            .ways
-            .from(node, part.kind)
-            .iter()
-            .find(|(_, condition)| {
-                condition
-                    .as_ref()
-                    .is_none_or(|condition| condition.eval(&part.properties, &[]) != 0.0)
-            });
-        if let Some(&(way, _)) = way {
-            let chosen = way
-                .choice
-                .and_then(|choice| choosers[choice as usize].choose());
-            return Some(match chosen {
-                None => way,
-                Some(member) => Way {
-                    first: way.first + member,
-                    end: way.first + member + 1,
-                    only: Some(setup.ways.to[(way.first + member) as usize] as u32),
-                    ..way
-                },
-            });
-        }
-        let (kind, number) = (part.kind, part.number);
-        if !self.journal.unroutable.contains(&(node, kind)) {
-            self.journal.unroutable.push((node, kind));
-            let name = self.type_name(kind);
-            let message = format!(
-                "{name} {number} has no way onward from {} at {}",
-                self.name(node),
-                self.moment()
-            );
-            self.journal.findings.push(
-                Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message)
-                    .with_help(format!(
-                        "After the other routes for {name}, add one without a condition."
-                    )),
-            );
-        }
-        None
     }
 
     /// Whether a node has room for a part of this type coming from `from`. A belt takes parts only
@@ -416,53 +351,79 @@ impl Run<'_> {
     #[inline]
     pub(super) fn admits(&self, node: usize, kind: usize, from: usize) -> bool {
         match &self.nodes[node].place {
-            Place::Source(_) => false,
-            Place::Sink | Place::Store(_) => true,
             Place::Buffer(buffer) => buffer.has_room(),
-            Place::Conveyor(_) => self.conveyor_admits(node),
+            Place::Station(station) => station.admits(kind),
+            place => self.admits_otherwise(place, from),
+        }
+    }
+
+    /// The same for a place that is neither a station nor a buffer.
+    #[inline(never)]
+    fn admits_otherwise(&self, place: &Place, from: usize) -> bool {
+        match place {
+            Place::Source(_) | Place::Station(_) | Place::Buffer(_) => false,
+            Place::Sink | Place::Store(_) => true,
+            Place::Conveyor(conveyor) => conveyor.admits(self.now),
             Place::Belt(belt) => {
                 matches!(self.nodes[from].place, Place::Belt(_)) && belt.inlet.is_none()
             }
-            Place::Station(station) => station.admits(kind),
         }
+    }
+
+    /// Whether no part that came before a newcomer of this type would take its room at a node.
+    #[inline]
+    fn is_first(&self, node: usize, kind: usize) -> bool {
+        let Node {
+            place, requests, ..
+        } = &self.nodes[node];
+        let bill_first = match place {
+            Place::Station(station) => station.joins_some() && station.bill_first(kind),
+            _ => false,
+        };
+        !bill_first && (requests.is_empty() || !self.others_first(node, None))
     }
 
     /// Whether a part that has waited longer for a node than outlet `own` (or than a newcomer)
     /// could go there now.
-    #[inline]
+    #[inline(never)]
     pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
-        let requests = &self.nodes[node].requests;
-        if requests.is_empty() {
-            return false;
-        }
-        let mut earlier = requests
-            .iter()
-            .take_while(|request| Some(request.outlet as usize) != own);
+        let requests = self.nodes[node].requests.iter();
+        let mut earlier = requests.take_while(|request| Some(request.outlet as usize) != own);
         earlier.any(|request| self.admits(node, request.kind as usize, request.from as usize))
-    }
-
-    /// Whether the components of a complete bill wait at a node for the same work as a newcomer of
-    /// this type. They arrived before it.
-    #[inline]
-    fn bill_first(&self, node: usize, kind: usize) -> bool {
-        match &self.nodes[node].place {
-            Place::Station(station) => station.has_complete_bill() && !station.lacks(kind),
-            _ => false,
-        }
     }
 
     /// Admits waiting parts to a node as long as there is room; see [Turns](self#turns).
     #[inline]
     fn serve(&mut self, node: usize) {
+        if !self.nodes[node].requests.is_empty() {
+            self.serve_requests(node);
+        }
+    }
+
+    #[inline(never)]
+    fn serve_requests(&mut self, node: usize) {
+        let requests = &self.nodes[node].requests;
+        match requests.only() {
+            Some(&request) if !request.is_belt => {
+                let from = request.from as usize;
+                if self.admits(node, request.kind as usize, from) {
+                    self.nodes[node].requests.clear();
+                    self.transfer(from, request.outlet as usize, node);
+                }
+            }
+            _ => self.serve_several(node),
+        }
+    }
+
+    /// The same for several requests, or that of a belt.
+    #[inline(never)]
+    fn serve_several(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&request) = self.nodes[node].requests.get(next) {
-            if self.end.is_some() || self.progress.is_stuck_at_instant() {
-                return;
-            }
             let from = request.from as usize;
             if !self.admits(node, request.kind as usize, from) {
                 next += 1;
-            } else if matches!(self.nodes[from].place, Place::Belt(_)) {
+            } else if request.is_belt {
                 let request = self.nodes[node].requests.get_mut(next);
                 if request.is_some_and(|request| std::mem::take(&mut request.declined)) {
                     next += 1;
@@ -472,7 +433,10 @@ impl Run<'_> {
                 break;
             } else {
                 self.nodes[node].requests.remove(next);
-                self.transfer(request.outlet as usize, node);
+                self.transfer(from, request.outlet as usize, node);
+                if self.is_over() {
+                    break;
+                }
                 next = 0;
             }
         }
@@ -480,55 +444,99 @@ impl Run<'_> {
 
     /// Moves an outlet's part to this place at the end of its way. The caller has checked that the
     /// place has room for it, and has removed the outlet's request to it.
-    #[inline(never)]
-    pub(super) fn transfer(&mut self, outlet: usize, to: usize) {
-        let Outlet {
-            node,
-            ref mut part,
-            to: ref mut way,
-            ..
-        } = self.outlets[outlet];
-        let (Some(part), Some(way)) = (part.take(), way.take()) else {
+    #[inline]
+    pub(super) fn transfer(&mut self, from: usize, outlet: usize, to: usize) {
+        let left = self.outlet_mut(outlet);
+        let (Some(part), Some(way)) = (left.part.take(), left.to.take()) else {
             return;
         };
-        if way.choice.is_some() {
-            self.take_chosen_way(outlet, to, way);
+        if let Way::Choice(_) = way {
+            self.take_chosen_way(from, outlet, to, way);
         }
+        self.hand_over(from, to, part);
+    }
+
+    /// Moves a part from one node to another.
+    #[inline(never)]
+    fn hand_over(&mut self, from: usize, to: usize, part: PartIndex) {
         self.progress.count_movement();
-        match &mut self.nodes[node].place {
-            Place::Buffer(buffer) => buffer.take(self.now),
-            Place::Station(_) => {
-                self.end_wait(node);
-                self.station_left(node);
-                self.parts[part].came_from = Some(node as u32);
+        let now = self.now;
+        match &mut self.nodes[from].place {
+            Place::Buffer(buffer) => buffer.take(now),
+            Place::Station(station) => {
+                self.parts[part].came_from = Some(from as u32);
+                if station.waits.is_waiting() {
+                    self.end_wait(from);
+                    self.station_left(from);
+                } else {
+                    station.clear(now);
+                    self.record_state(from);
+                }
             }
+            _ => self.leave_otherwise(from, to, part),
+        }
+        self.record_with(from, Some(part), EventKind::Left, Some(Other::Node(to)));
+        self.look_at(from);
+        match &mut self.nodes[to].place {
+            Place::Buffer(buffer) => {
+                if buffer.is_plain() {
+                    let is_next = buffer.put(part, now);
+                    self.record(to, Some(part), EventKind::Arrived);
+                    if is_next {
+                        self.overtake(to);
+                    }
+                } else {
+                    self.buffer_arrival(to, part);
+                }
+            }
+            Place::Station(_) => self.station_arrival(to, part),
+            _ => self.arrive_otherwise(from, to, part),
+        }
+    }
+
+    /// A part arrives at a node that is neither a station nor a buffer.
+    #[inline(never)]
+    fn arrive_otherwise(&mut self, from: usize, to: usize, part: PartIndex) {
+        match &self.nodes[to].place {
+            Place::Sink => self.sink(to, part),
+            Place::Store(_) => self.store(to, part),
+            Place::Conveyor(_) => self.conveyor_arrival(to, part),
+            Place::Belt(_) => self.belt_arrival(from, to, part),
+            Place::Source(_) | Place::Station(_) | Place::Buffer(_) => {}
+        }
+    }
+
+    /// A part leaves a node that is neither a station nor a buffer.
+    #[inline(never)]
+    fn leave_otherwise(&mut self, from: usize, to: usize, part: PartIndex) {
+        match &mut self.nodes[from].place {
             Place::Store(store) => {
                 store.left(self.parts[part].kind);
-                self.enter(node, part);
+                self.enter(from, part);
             }
             Place::Source(source) => {
                 let to = &self.line.nodes[to].kind;
                 let is_lost = matches!(to, NodeKind::Sink { reject: true, .. });
                 source.left(self.now, is_lost);
-                self.enter(node, part);
+                self.enter(from, part);
             }
-            Place::Conveyor(_) => self.conveyor_left(node),
-            Place::Belt(_) => self.belt_left(node),
-            Place::Sink => {}
+            Place::Conveyor(conveyor) => conveyor.left(self.now),
+            Place::Belt(_) => self.belt_left(from),
+            Place::Sink | Place::Station(_) | Place::Buffer(_) => {}
         }
-        self.record_with(node, Some(part), EventKind::Left, Some(Other::Node(to)));
-        self.look_at(node);
-        self.arrive(node, to, part);
     }
 
     /// A part takes one of the routes between which it could choose: it no longer waits at the ends
     /// of the others.
-    fn take_chosen_way(&mut self, outlet: usize, to: usize, way: Way) {
-        let Some(choice) = way.choice else { return };
-        self.choosers[choice as usize].chosen();
-        let from = self.outlets[outlet].node;
+    #[inline(never)]
+    fn take_chosen_way(&mut self, from: usize, outlet: usize, to: usize, way: Way) {
         let setup = self.setup;
-        for &other in setup.ways.to(way) {
+        let Some(choice) = setup.ways.choice(way) else {
+            return;
+        };
+        self.choosers[choice].chosen();
+        for &other in setup.ways.to(&way) {
+            let other = other as usize;
             let withdrawn = other != to && self.nodes[other].requests.withdraw(outlet).is_some();
             if withdrawn && matches!(self.nodes[from].place, Place::Belt(_)) {
                 // Room may have been reserved for the belt; see [Turns](self#turns).
@@ -537,170 +545,23 @@ impl Run<'_> {
         }
     }
 
-    #[inline]
-    fn arrive(&mut self, from: usize, node: usize, part: PartIndex) {
-        match &mut self.nodes[node].place {
-            Place::Sink => self.sink(node, part),
-            Place::Store(_) => self.store(node, part),
-            Place::Buffer(buffer) => {
-                let arrival = buffer.put(part, &self.parts[part], self.now);
-                self.record(node, Some(part), EventKind::Arrived);
-                self.buffer_arrival(node, &arrival);
-            }
-            Place::Station(_) => self.station_arrival(node, part),
-            Place::Conveyor(_) => self.conveyor_arrival(node, part),
-            Place::Belt(_) => self.belt_arrival(from, node, part),
-            Place::Source(_) => {}
-        }
-    }
-
     /// Lets another part of a buffer leave next than the one that waits, if any. It takes the turn
     /// of that part.
     pub(super) fn overtake(&mut self, node: usize) {
         let setup = self.setup;
-        let outlet = setup.first_outlet[node];
-        let Outlet { part, to, .. } = &mut self.outlets[outlet];
-        if part.take().is_some()
-            && let Some(way) = to.take()
+        let outlet = &mut self.nodes[node].outlet;
+        if outlet.part.take().is_some()
+            && let Some(way) = outlet.to.take()
         {
-            for &to in setup.ways.to(way) {
-                let withdrawn = self.nodes[to].requests.withdraw(outlet);
-                let since = withdrawn.map(|request| request.order);
-                self.outlets[outlet].since = since.or(self.outlets[outlet].since);
+            for &to in setup.ways.to(&way) {
+                let withdrawn = self.nodes[to as usize].requests.withdraw(node);
+                if let (Some(request), Place::Buffer(buffer)) =
+                    (withdrawn, &mut self.nodes[node].place)
+                {
+                    buffer.turn = Some(request.order);
+                }
             }
         }
         self.look_at(node);
-    }
-
-    /// Number of parts in a place.
-    fn load(&self, node: usize) -> usize {
-        match &self.nodes[node].place {
-            Place::Source(_) | Place::Sink => 0,
-            Place::Store(store) => store.parts().count(),
-            Place::Station(station) => station.parts().count(),
-            Place::Conveyor(conveyor) => conveyor.parts.len(),
-            Place::Belt(belt) => belt.held.len() + usize::from(belt.inlet.is_some()),
-            Place::Buffer(buffer) => buffer.len(),
-        }
-    }
-
-    /// A part that leaves its source or a store's stock enters the line.
-    fn enter(&mut self, node: usize, part: PartIndex) {
-        let now = self.now;
-        let entering = &mut self.parts[part];
-        entering.came_from = Some(node as u32);
-        if !entering.entered {
-            entering.entered = true;
-            entering.entered_at = now;
-            entering.since = now;
-            self.counters.unit_enters(now);
-            self.record(node, Some(part), EventKind::Entered);
-        }
-    }
-
-    /// Removes a finished part from the line. The run ends when the requested number of end
-    /// products is reached.
-    pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Finished);
-        self.counters.finished += 1;
-        let single = self.setup.single_parts(self.parts[part].kind);
-        self.counters.finished_single += single;
-        self.counters.first_pass += single - self.parts[part].reworked(single).min(single);
-        self.count_out(self.parts[part].kind);
-        if self.line.is_product(self.parts[part].kind) {
-            let stored = matches!(self.nodes[node].place, Place::Store(_));
-            self.counters
-                .count_product(self.now, &self.parts[part], stored);
-            self.progress
-                .count_product(self.events, self.journal.violation_count);
-            self.count_in_batch(part);
-            if self.is_counting() && self.setup.target == Some(self.counters.products) {
-                self.end = Some(End::Products);
-            }
-        }
-        self.leave_line(part);
-    }
-
-    /// Removes a part that has left the line, or was joined to another.
-    pub(super) fn leave_line(&mut self, part: PartIndex) {
-        let start = self.counting_start();
-        self.counters
-            .unit_leaves(self.now, self.parts[part].since, start);
-        self.parts.remove(part);
-    }
-
-    /// Removes a part from the line as scrap, and orders replacements from the source `reorder`, if
-    /// any.
-    pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
-        let charged = self.charge_scrap(part);
-        self.discard(node, part, charged, reorder);
-    }
-
-    /// Removes a part from the line as scrap that a failure made, or that has expired, and orders
-    /// its replacement.
-    pub(super) fn scrap(&mut self, node: usize, part: PartIndex) {
-        self.counters.scrapped += self.setup.single_parts(self.parts[part].kind);
-        let replacement = self.replacement(self.parts[part].kind);
-        self.discard(node, part, Some(node), replacement);
-    }
-
-    /// Removes a part that was rejected because of the node `charged`, if any.
-    fn discard(
-        &mut self,
-        node: usize,
-        part: PartIndex,
-        charged: Option<usize>,
-        reorder: Option<usize>,
-    ) {
-        let because_of = charged.map(Other::Node);
-        self.record_with(node, Some(part), EventKind::Rejected, because_of);
-        let kind = self.parts[part].kind;
-        self.counters.rejects[kind].0 += 1;
-        self.count_out(kind);
-        if let Some(source) = reorder
-            && let NodeKind::Source { part: ordered, .. } = self.line.nodes[source].kind
-        {
-            let count = self.setup.content(kind, ordered);
-            let from = Some(Other::Node(source));
-            self.record_with(node, Some(part), EventKind::Reordered(count), from);
-            self.leave_line(part);
-            self.order(source, count);
-            self.counters.rejects[kind].1 += count;
-        } else {
-            self.leave_line(part);
-        }
-    }
-
-    /// Charges a rejected part to the station whose defect changed it last; without a defect, to
-    /// the station that worked on it last. Returns the station. A part that no station has worked
-    /// on is not scrap.
-    fn charge_scrap(&mut self, part: PartIndex) -> Option<usize> {
-        let part = &self.parts[part];
-        let station = part.defect_at.or(part.worked_at)? as usize;
-        self.counters.scrapped += self.setup.single_parts(part.kind);
-        self.station(station).scrapped += 1;
-        Some(station)
-    }
-
-    /// The source from which a replacement is ordered for a part that was removed before it reached
-    /// a sink. Of the sources from which rejecting sinks reorder, this is the first that makes
-    /// the part or something in it; if there is none, the first of all.
-    pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
-        let types = self.line.parts.len();
-        let sources = || {
-            self.line.nodes.iter().filter_map(|node| match node.kind {
-                NodeKind::Sink {
-                    reject: true,
-                    reorder,
-                } => reorder,
-                _ => None,
-            })
-        };
-        sources()
-            .find(|&source| match self.line.nodes[source].kind {
-                NodeKind::Source { part, .. } => self.setup.contents[kind * types + part] > 0,
-                _ => false,
-            })
-            .or_else(|| sources().next())
     }
 }

@@ -5,6 +5,7 @@
 //! stack is therefore bounded for lines of any length and shape. The behavior of each kind of node
 //! is in its own file here.
 
+mod accounts;
 mod batches;
 mod belt;
 mod blocked;
@@ -25,6 +26,7 @@ mod station;
 mod supply;
 mod waits;
 mod warm_up;
+mod ways;
 
 use super::calendar::Calendar;
 use super::log::Observer;
@@ -38,7 +40,7 @@ use buffer::Buffer;
 use chooser::Chooser;
 use conveyor::Conveyor;
 use counters::Counters;
-use flow::{Outlet, Ways};
+use flow::Outlet;
 use journal::Journal;
 use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -51,8 +53,10 @@ use queue::{Agenda, Requests};
 use shifts::Shifts;
 use station::Station;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 use supply::{Source, Store};
+use ways::Ways;
 
 /// Number of events between checks of the wall clock.
 const DEADLINE_CHECK_INTERVAL: u64 = 16;
@@ -78,9 +82,8 @@ struct Setup {
     /// Simulated seconds after which the run ends; `None` if time does not end it.
     horizon: Option<f64>,
     ways: Ways,
-    /// The outlets, all empty, and the index of each node's first outlet.
-    outlets: Vec<Outlet>,
-    first_outlet: Vec<usize>,
+    /// The outlets of stores; see [`flow::store_outlets`].
+    store_outlets: Vec<(usize, usize)>,
     /// Number of parts of type `b` in one part of type `a`, at index `a * types + b`; 1 if `a` is
     /// `b`.
     contents: Vec<u64>,
@@ -151,15 +154,17 @@ struct Node {
     place: Place,
     /// The parts that wait for it.
     requests: Requests,
-    /// The first of its outlets.
-    outlet: usize,
+    /// The part that would leave next; not used by stores, which have several outlets.
+    outlet: Outlet,
+    /// Whether it is on the list of nodes to examine again.
+    is_listed: bool,
 }
 
 /// State of a node.
 enum Place {
-    Source(Source),
+    Source(Box<Source>),
     Sink,
-    Store(Store),
+    Store(Box<Store>),
     Station(Box<Station>),
     Conveyor(Box<Conveyor>),
     Belt(Box<BeltState>),
@@ -182,7 +187,7 @@ struct Run<'a> {
     counting_since: Option<f64>,
     parts: Parts,
     nodes: Vec<Node>,
-    outlets: Vec<Outlet>,
+    store_outlets: Vec<Outlet>,
     /// Last sequence number given to a request or a complete bill.
     requests: u64,
     choosers: Vec<Chooser>,
@@ -272,7 +277,7 @@ impl Plant {
             }
         }
         let ways = Ways::new(&line);
-        let (outlets, first_outlet) = flow::outlets(&line);
+        let store_outlets = flow::store_outlets(&line);
         let contents = part::contents(&line);
         let types = line.parts.len();
         let single_parts = (0..types).map(|kind| {
@@ -299,8 +304,7 @@ impl Plant {
                 target,
                 horizon,
                 ways,
-                outlets,
-                first_outlet,
+                store_outlets,
                 contents,
                 single_parts,
                 first_copy,
@@ -384,10 +388,14 @@ impl<'a> Run<'a> {
         let places = line.nodes.iter().enumerate();
         let places = places.map(|(index, node)| match &node.kind {
             NodeKind::Source { part, supply, .. } => {
-                Place::Source(Source::new(&node.name, supply, seed, setup.orders(*part)))
+                let orders = setup.orders(*part);
+                Place::Source(Box::new(Source::new(&node.name, supply, seed, orders)))
             }
             NodeKind::Sink { .. } => Place::Sink,
-            NodeKind::Store { stock } => Place::Store(Store::new(stock, line.parts.len())),
+            NodeKind::Store { stock } => {
+                let outlets = setup.outlets_of_store(index);
+                Place::Store(Box::new(Store::new(stock, line.parts.len(), outlets)))
+            }
             NodeKind::Station(declared) => Place::Station(Box::new(Station::new(
                 line,
                 index,
@@ -399,7 +407,12 @@ impl<'a> Run<'a> {
             NodeKind::Conveyor {
                 belt: Some(belt), ..
             } => Place::Belt(Box::new(BeltState::new(belt))),
-            NodeKind::Conveyor { .. } => Place::Conveyor(Box::default()),
+            NodeKind::Conveyor {
+                places,
+                pitch,
+                speed,
+                ..
+            } => Place::Conveyor(Box::new(Conveyor::new(*places as usize, pitch / speed))),
             NodeKind::Buffer {
                 capacity,
                 order,
@@ -414,10 +427,11 @@ impl<'a> Run<'a> {
                 Place::Buffer(Box::new(buffer))
             }
         });
-        let nodes = places.zip(&setup.first_outlet).map(|(place, outlet)| Node {
+        let nodes = places.map(|place| Node {
             place,
             requests: Requests::default(),
-            outlet: *outlet,
+            outlet: Outlet::default(),
+            is_listed: false,
         });
         let nodes = nodes.collect();
         Self {
@@ -433,10 +447,10 @@ impl<'a> Run<'a> {
             counting_since: None,
             parts: Parts::default(),
             nodes,
-            outlets: setup.outlets.clone(),
+            store_outlets: vec![Outlet::default(); setup.store_outlets.len()],
             requests: 0,
             choosers: Chooser::all(line, seed),
-            agenda: Agenda::new(line.nodes.len()),
+            agenda: Agenda::default(),
             end: None,
             counters: Counters::new(line, seed),
             journal: Journal::default(),
@@ -497,12 +511,25 @@ impl<'a> Run<'a> {
         }
     }
 
+    #[inline]
     fn happen(&mut self, event: Event) {
+        match event {
+            Event::Station(node, number) => {
+                self.pending -= 1;
+                self.station_event(node as usize, number);
+            }
+            _ => self.happen_seldom(event),
+        }
+    }
+
+    /// Lets an event happen that is not a station's.
+    #[inline(never)]
+    fn happen_seldom(&mut self, event: Event) {
         if event.sets_going() {
             self.pending -= 1;
         }
         match event {
-            Event::Station(node, number) => self.station_event(node as usize, number),
+            Event::Station(..) => {}
             Event::Failure(node, mode) => self.break_down(node as usize, mode as usize),
             Event::Repair(node) => self.repair(node as usize),
             Event::Due(node) => self.due(node as usize),
@@ -556,6 +583,13 @@ impl Setup {
         let target = self.target.filter(|_| self.options.warm_up <= 0.0)?;
         let product = self.line.only_product()?;
         Some(target.saturating_mul(self.content(product, part)))
+    }
+
+    /// The outlets of a store, of those of all stores.
+    fn outlets_of_store(&self, store: usize) -> Range<usize> {
+        let outlets = &self.store_outlets;
+        let first = outlets.partition_point(|(other, _)| *other < store);
+        first..outlets.partition_point(|(other, _)| *other <= store)
     }
 
     /// Number of parts of type `b` in one part of type `a`, but at least 1.

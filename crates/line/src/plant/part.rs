@@ -1,11 +1,12 @@
 //! Mobile units: their storage and composition.
 
 use linewright_language::contract::line::{InitialValue, Line};
+use std::num::NonZeroU32;
 use std::ops::{Index, IndexMut};
 
 /// Index of a part in [`Parts`]; reused after the part is gone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct PartIndex(u32);
+pub(super) struct PartIndex(NonZeroU32);
 
 /// One mobile unit.
 #[derive(Debug, Clone, Default)]
@@ -41,16 +42,24 @@ pub(super) struct Part {
 impl Part {
     /// Notes that a station begins to work on the part. Parallel stations are one, given by the
     /// first of them.
+    #[inline]
     pub(super) fn visit(&mut self, station: u32) {
-        let (word, bit) = (station as usize / 64, 1_u64 << (station % 64));
-        let visits = if word == 0 {
-            &mut self.visits
+        let bit = 1_u64 << (station % 64);
+        if station < 64 {
+            self.reworked |= self.visits & bit != 0;
+            self.visits |= bit;
         } else {
-            if self.more_visits.len() < word {
-                self.more_visits.resize(word, 0);
-            }
-            &mut self.more_visits[word - 1]
-        };
+            self.visit_another(station as usize / 64, bit);
+        }
+    }
+
+    /// The same for a node from 64 on.
+    #[inline(never)]
+    fn visit_another(&mut self, word: usize, bit: u64) {
+        if self.more_visits.len() < word {
+            self.more_visits.resize(word, 0);
+        }
+        let visits = &mut self.more_visits[word - 1];
         self.reworked |= *visits & bit != 0;
         *visits |= bit;
     }
@@ -67,11 +76,22 @@ impl Part {
 
 /// All existing parts. Slots of removed parts are reused, so that a run needs memory only for what
 /// is in the line.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Parts {
+    /// The first slot is not used.
     slots: Vec<Part>,
-    free: Vec<u32>,
+    free: Vec<PartIndex>,
     made: u64,
+}
+
+impl Default for Parts {
+    fn default() -> Self {
+        Self {
+            slots: vec![Part::default()],
+            free: Vec::new(),
+            made: 0,
+        }
+    }
 }
 
 impl Parts {
@@ -86,13 +106,10 @@ impl Parts {
         self.made += 1;
         let index = self.free.pop().unwrap_or_else(|| {
             self.slots.push(Part::default());
-            self.slots.len() as u32 - 1
+            PartIndex(NonZeroU32::MIN.saturating_add(self.slots.len() as u32 - 2))
         });
-        let slot = &mut self.slots[index as usize];
-        let mut properties = std::mem::take(&mut slot.properties);
+        let mut properties = std::mem::take(&mut self[index].properties);
         properties.clear();
-        let mut more_visits = std::mem::take(&mut slot.more_visits);
-        more_visits.clear();
         for property in &line.parts[kind].properties {
             properties.push(match property.initial {
                 InitialValue::Number(value) => value,
@@ -101,27 +118,27 @@ impl Parts {
                     .unwrap_or(0.0),
             });
         }
-        self.slots[index as usize] = Part {
-            number: self.made,
-            kind,
-            entered: false,
-            entered_at: 0.0,
-            since: 0.0,
-            reworked: false,
-            reworked_inside: 0,
-            came_from: None,
-            worked_at: None,
-            defect_at: None,
-            visits: 0,
-            more_visits,
-            properties,
-        };
-        PartIndex(index)
+        let number = self.made;
+        let part = &mut self[index];
+        part.properties = properties;
+        part.more_visits.clear();
+        part.visits = 0;
+        part.number = number;
+        part.kind = kind;
+        part.entered = false;
+        part.entered_at = 0.0;
+        part.since = 0.0;
+        part.reworked = false;
+        part.reworked_inside = 0;
+        part.came_from = None;
+        part.worked_at = None;
+        part.defect_at = None;
+        index
     }
 
     /// Removes a part.
     pub(super) fn remove(&mut self, part: PartIndex) {
-        self.free.push(part.0);
+        self.free.push(part);
     }
 }
 
@@ -129,13 +146,13 @@ impl Index<PartIndex> for Parts {
     type Output = Part;
 
     fn index(&self, part: PartIndex) -> &Part {
-        &self.slots[part.0 as usize]
+        &self.slots[part.0.get() as usize]
     }
 }
 
 impl IndexMut<PartIndex> for Parts {
     fn index_mut(&mut self, part: PartIndex) -> &mut Part {
-        &mut self.slots[part.0 as usize]
+        &mut self.slots[part.0.get() as usize]
     }
 }
 

@@ -20,7 +20,7 @@ const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
 const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 
 /// Activity since time last advanced, and since the last end product.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Progress {
     /// Time of the current instant, in seconds.
     instant: f64,
@@ -28,21 +28,40 @@ pub(super) struct Progress {
     at_instant: u64,
     /// Number of violations at this instant.
     pub violations_at_instant: u64,
-    /// Number of events up to the last end product.
-    events_at_product: u64,
     /// Number of violations up to the last end product.
     violations_at_product: u64,
+    /// Numbers of events and of violations up to which a run that waits for products has to make
+    /// the next one.
+    last_event: u64,
+    last_violation: u64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            instant: 0.0,
+            at_instant: 0,
+            violations_at_instant: 0,
+            violations_at_product: 0,
+            last_event: MAX_EVENTS_WITHOUT_PRODUCT,
+            last_violation: MAX_VIOLATIONS_WITHOUT_PRODUCT,
+        }
+    }
 }
 
 impl Progress {
-    /// Counts an event handled at `now`.
-    fn advance(&mut self, now: f64) {
+    /// Counts an event handled at `now`. Returns whether the run counts as a livelock, or has come
+    /// to its latest time.
+    #[inline]
+    fn advance(&mut self, now: f64) -> bool {
         if now > self.instant {
             self.instant = now;
             self.at_instant = 0;
             self.violations_at_instant = 0;
+            now > LATEST_SECONDS
         } else {
             self.at_instant += 1;
+            self.is_stuck_at_instant()
         }
     }
 
@@ -58,21 +77,28 @@ impl Progress {
 
     /// Counts an end product completed after this many events and violations.
     pub(super) fn count_product(&mut self, events: u64, violations: u64) {
-        self.events_at_product = events;
         self.violations_at_product = violations;
+        self.last_event = events + MAX_EVENTS_WITHOUT_PRODUCT;
+        self.last_violation = violations + MAX_VIOLATIONS_WITHOUT_PRODUCT;
     }
 
-    /// Whether the run counts as a livelock, because of the number of events or violations since
-    /// time last advanced.
+    /// Counts the run as a livelock after too many violations at this instant.
+    pub(super) fn limit_violations(&mut self) {
+        if self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT {
+            self.at_instant = u64::MAX / 2;
+        }
+    }
+
+    /// Whether the run counts as a livelock, because of the number of movements, events or
+    /// violations since time last advanced.
+    #[inline]
     pub(super) fn is_stuck_at_instant(&self) -> bool {
         self.at_instant > MAX_AT_ONE_INSTANT
-            || self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT
     }
 
     /// Whether a run that waits for products has stopped making any.
     fn makes_no_products(&self, events: u64, violations: u64) -> bool {
-        events - self.events_at_product > MAX_EVENTS_WITHOUT_PRODUCT
-            || violations - self.violations_at_product > MAX_VIOLATIONS_WITHOUT_PRODUCT
+        events > self.last_event || violations > self.last_violation
     }
 }
 
@@ -80,13 +106,10 @@ impl Run<'_> {
     /// Looks whether the run still makes progress; if not, ends it.
     #[inline]
     pub(super) fn guard(&mut self) {
-        self.progress.advance(self.now);
-        let makes_progress = self.now <= LATEST_SECONDS
-            && !self.progress.is_stuck_at_instant()
-            && !self
-                .progress
-                .makes_no_products(self.events, self.journal.violation_count);
-        if !makes_progress && self.end.is_none() {
+        let violations = self.journal.violation_count;
+        if self.progress.advance(self.now)
+            || self.progress.makes_no_products(self.events, violations)
+        {
             self.give_up();
         }
     }
@@ -94,6 +117,9 @@ impl Run<'_> {
     /// Ends a run if it no longer makes progress.
     #[cold]
     fn give_up(&mut self) {
+        if self.end.is_some() {
+            return;
+        }
         if self.now > LATEST_SECONDS {
             self.end = Some(End::GaveUp);
             let message = format!(
@@ -155,7 +181,7 @@ impl Run<'_> {
         monitor.write(Snapshot {
             now: self.now,
             share: of_time.max(of_products).min(1.0),
-            wip: self.counters.units.level(),
+            wip: u64::from(self.counters.units.level()),
             throughput_per_hour: if counted > 0.0 {
                 products * 3600.0 / counted
             } else {

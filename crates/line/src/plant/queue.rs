@@ -13,111 +13,135 @@ pub(super) struct Request {
     pub kind: u32,
     /// The node of the outlet.
     pub from: u32,
-    /// Whether the outlet is that of a belt that had its turn and did not hand over its part; reset
-    /// when the node is examined.
+    /// Whether the outlet is that of a belt, which hands over its part only when it is stepped.
+    pub is_belt: bool,
+    /// Whether it is that of a belt that had its turn and did not hand over its part; reset when
+    /// the node is examined.
     pub declined: bool,
 }
 
-/// The requests to a node, oldest first.
+/// The requests to a node, oldest first. Most nodes never have more than one.
 #[derive(Debug, Default)]
-pub(super) struct Requests(VecDeque<Request>);
+pub(super) struct Requests {
+    first: Option<Request>,
+    /// Those after the first one; empty if there is none.
+    others: VecDeque<Request>,
+}
 
 impl Requests {
     /// Whether there are none.
     #[inline]
     pub(super) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.first.is_none()
     }
 
     /// All requests, oldest first.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Request> {
-        self.0.iter()
+        self.first.iter().chain(&self.others)
     }
 
     /// The request at this position.
-    #[inline]
     pub(super) fn get(&self, position: usize) -> Option<&Request> {
-        self.0.get(position)
+        match position {
+            0 => self.first.as_ref(),
+            _ => self.others.get(position - 1),
+        }
+    }
+
+    /// The only request; `None` if there are none or several.
+    #[inline]
+    pub(super) fn only(&self) -> Option<&Request> {
+        self.first.as_ref().filter(|_| self.others.is_empty())
+    }
+
+    /// Removes the only request.
+    #[inline]
+    pub(super) fn clear(&mut self) {
+        self.first = None;
     }
 
     /// The request at this position.
     pub(super) fn get_mut(&mut self, position: usize) -> Option<&mut Request> {
-        self.0.get_mut(position)
-    }
-
-    /// Removes and returns the request at this position.
-    #[inline]
-    pub(super) fn remove(&mut self, position: usize) -> Option<Request> {
-        if position == 0 {
-            self.0.pop_front()
-        } else {
-            self.0.remove(position)
+        match position {
+            0 => self.first.as_mut(),
+            _ => self.others.get_mut(position - 1),
         }
     }
 
-    /// Adds the latest request.
-    #[inline]
-    pub(super) fn push(&mut self, request: Request) {
-        self.0.push_back(request);
+    /// Removes and returns the request at this position.
+    pub(super) fn remove(&mut self, position: usize) -> Option<Request> {
+        match position {
+            0 => std::mem::replace(&mut self.first, self.others.pop_front()),
+            _ => self.others.remove(position - 1),
+        }
     }
 
-    /// Adds a request that takes the turn of an earlier one.
+    /// Adds a request where its sequence number belongs: at the end, unless it takes the turn of an
+    /// earlier one.
+    #[inline]
     pub(super) fn insert(&mut self, request: Request) {
-        let at = self.0.partition_point(|other| other.order < request.order);
-        self.0.insert(at, request);
+        if self.first.is_none() {
+            self.first = Some(request);
+        } else {
+            self.insert_among_others(request);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn insert_among_others(&mut self, mut request: Request) {
+        if let Some(first) = &mut self.first
+            && request.order < first.order
+        {
+            std::mem::swap(first, &mut request);
+        }
+        let others = &mut self.others;
+        let at = others.partition_point(|other| other.order < request.order);
+        others.insert(at, request);
     }
 
     /// Removes the request of an outlet. Returns it, if there was one.
     pub(super) fn withdraw(&mut self, outlet: usize) -> Option<Request> {
-        let mut requests = self.0.iter();
-        let at = requests.position(|request| request.outlet as usize == outlet)?;
+        let at = self
+            .iter()
+            .position(|request| request.outlet as usize == outlet)?;
         self.remove(at)
     }
 }
 
 /// Nodes to examine again, first in, first out, each at most once.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Agenda {
-    /// A ring with room for all nodes: its length is a power of two.
     nodes: Vec<u32>,
-    /// Numbers of nodes that were removed, and that were added.
+    /// Number of entries that were removed; their places are used again when the list is full.
     removed: usize,
-    added: usize,
-    listed: Vec<bool>,
 }
 
 impl Agenda {
-    /// Creates an empty list for this many nodes.
-    pub(super) fn new(nodes: usize) -> Self {
-        Self {
-            nodes: vec![0; nodes.next_power_of_two()],
-            removed: 0,
-            added: 0,
-            listed: vec![false; nodes],
+    /// Adds a node, unless it is listed already, as `is_listed` states from now on. Whoever
+    /// examines the node resets this.
+    #[inline]
+    pub(super) fn push(&mut self, node: usize, is_listed: &mut bool) {
+        if !std::mem::replace(is_listed, true) {
+            if self.nodes.len() == self.nodes.capacity() {
+                self.make_room();
+            }
+            self.nodes.push(node as u32);
         }
     }
 
-    /// Adds a node, unless it is listed already.
-    #[inline]
-    pub(super) fn push(&mut self, node: usize) {
-        let listed = &mut self.listed[node];
-        if !*listed {
-            *listed = true;
-            let at = self.added & (self.nodes.len() - 1);
-            self.nodes[at] = node as u32;
-            self.added = self.added.wrapping_add(1);
-        }
+    /// Forgets the entries that were removed, and makes room for at least as many.
+    #[cold]
+    fn make_room(&mut self) {
+        self.nodes.drain(..std::mem::take(&mut self.removed));
+        self.nodes.reserve(self.nodes.len().max(64));
     }
 
     /// Removes and returns the next node.
     #[inline]
     pub(super) fn pop(&mut self) -> Option<usize> {
-        if self.removed == self.added {
-            return None;
-        }
-        let node = self.nodes[self.removed & (self.nodes.len() - 1)] as usize;
-        self.removed = self.removed.wrapping_add(1);
-        self.listed[node] = false;
-        Some(node)
+        let node = *self.nodes.get(self.removed)?;
+        self.removed += 1;
+        Some(node as usize)
     }
 }

@@ -14,7 +14,10 @@ pub(super) struct Shifts {
     calendars: Vec<CalendarState>,
     /// By node: the index of its state; `None` for a node that works around the clock.
     of_nodes: Vec<Option<usize>>,
-    /// Number of violations when `fruitless` was last valid.
+    /// Whether some calendar's stations have been on shift since something last happened in the
+    /// line, and could not work.
+    any_fruitless: bool,
+    /// Number of violations when `fruitless` was last set.
     violations: u64,
 }
 
@@ -51,6 +54,7 @@ impl Shifts {
         Self {
             of_nodes: of_nodes.collect(),
             calendars,
+            any_fruitless: false,
             violations: 0,
         }
     }
@@ -81,6 +85,31 @@ impl Shifts {
             next = change_after(calendar, change.time);
         }
         changes
+    }
+
+    /// Something has happened in the line: all stations may be able to work again.
+    #[inline(never)]
+    fn forget_fruitless(&mut self) {
+        self.any_fruitless = false;
+        for state in &mut self.calendars {
+            state.fruitless = false;
+        }
+    }
+
+    /// Whether every station of a line in which nothing is going on is on shift, or was on shift
+    /// since something last happened, or never will be. A violation counts as something.
+    #[inline(never)]
+    fn rest_for_ever(&mut self, violations: u64) -> bool {
+        if std::mem::replace(&mut self.violations, violations) != violations {
+            self.forget_fruitless();
+        }
+        let mut rests = true;
+        for state in &mut self.calendars {
+            state.fruitless |= state.is_on;
+            self.any_fruitless |= state.fruitless;
+            rests &= state.fruitless || state.next.is_none();
+        }
+        rests
     }
 
     /// Time of the next change in seconds.
@@ -131,23 +160,15 @@ impl Run<'_> {
 
     /// Whether nothing can happen any more: nothing is going on, and every station is on shift, or
     /// was on shift since something last happened, or never will be.
+    #[inline]
     pub(super) fn rests_for_ever(&mut self) -> bool {
-        let violations = self.journal.violation_count;
-        if self.pending > 0 || violations != self.shifts.violations {
-            self.shifts.violations = violations;
-            for state in &mut self.shifts.calendars {
-                state.fruitless = false;
-            }
-        }
         if self.pending > 0 {
+            if self.shifts.any_fruitless {
+                self.shifts.forget_fruitless();
+            }
             return false;
         }
-        let mut rests = true;
-        for state in &mut self.shifts.calendars {
-            state.fruitless |= state.is_on;
-            rests &= state.fruitless || state.next.is_none();
-        }
-        rests
+        self.shifts.rest_for_ever(self.journal.violation_count)
     }
 
     /// Working time of a node from `now` until `second`, in seconds.

@@ -4,7 +4,7 @@ use super::failures::Failures;
 use super::waits::Waits;
 use super::{Event, Node, Place, Run, WORK, stream};
 use crate::log::{EventKind, Other};
-use crate::plant::part::PartIndex;
+use crate::plant::part::{Part, PartIndex};
 use crate::random::{Purpose, Stream};
 use crate::sampler::Sampler;
 use crate::statistics::{Activity, Clock};
@@ -23,12 +23,12 @@ pub(super) struct Station {
     first_copy: u32,
     /// Part type of each task.
     kinds: Vec<usize>,
-    /// By task: whether it works on arriving parts of its type without joining.
-    plain: Vec<bool>,
+    /// By part type: the first task that works on arriving parts of this type without joining.
+    plain: Vec<Option<u32>>,
     pub phase: Phase,
     /// The part in work, or the finished part that waits to leave.
     pub part: Option<PartIndex>,
-    task: usize,
+    task: u32,
     /// Part type of the task that began last; another type needs setup.
     last_kind: Option<usize>,
     /// Seconds left in this phase, as of the time `resumed`.
@@ -129,10 +129,11 @@ impl Station {
         Self {
             bills,
             first_copy,
-            plain: tasks
-                .iter()
-                .map(|task| {
-                    line.parts[task.part].bill.is_empty() || line.is_brought(node, task.part)
+            plain: (0..line.parts.len())
+                .map(|kind| {
+                    let is_plain = line.parts[kind].bill.is_empty() || line.is_brought(node, kind);
+                    let task = tasks.iter().position(|task| is_plain && task.part == kind);
+                    task.map(|task| task as u32)
                 })
                 .collect(),
             kinds: tasks.iter().map(|task| task.part).collect(),
@@ -176,15 +177,24 @@ impl Station {
     /// Whether the station takes a part of this type now.
     #[inline]
     pub(super) fn admits(&self, kind: usize) -> bool {
-        self.lacks(kind) || (self.can_begin() && self.plain_task(kind).is_some())
+        self.takes_alone(kind) || self.joins_some() && self.lacks(kind)
     }
 
-    /// Whether the station can begin to work on a part.
+    /// Whether the station takes a part of this type now to work on it without joining.
+    #[inline]
+    pub(super) fn takes_alone(&self, kind: usize) -> bool {
+        self.can_begin() && self.plain[kind].is_some()
+    }
+
+    /// Whether the station can begin to work on a part: it has none, is on shift, and works. Its
+    /// time is booked as starved then, and only then.
+    #[inline]
     fn can_begin(&self) -> bool {
-        self.phase == Phase::Free && self.on_shift && !self.failures.is_failed()
+        self.clock.activity() == Activity::Starved
     }
 
     /// Whether some task joins components.
+    #[inline]
     pub(super) fn joins_some(&self) -> bool {
         !self.bills.is_empty()
     }
@@ -195,18 +205,20 @@ impl Station {
     }
 
     /// Whether there is a free place for a component of this type.
+    #[inline(never)]
     pub(super) fn lacks(&self, kind: usize) -> bool {
         self.component_place(kind).is_some()
     }
 
-    /// Whether all components of some bill are present.
-    #[inline]
-    pub(super) fn has_complete_bill(&self) -> bool {
-        self.bills.iter().any(|bill| bill.complete.is_some())
+    /// Whether the components of a complete bill wait for the same work as a newcomer of this type.
+    /// They arrived before it.
+    #[inline(never)]
+    pub(super) fn bill_first(&self, kind: usize) -> bool {
+        let mut bills = self.bills.iter();
+        bills.any(|bill| bill.complete.is_some()) && !self.lacks(kind)
     }
 
     /// The first free place for a component of this type, as task and line of its bill.
-    #[inline]
     fn component_place(&self, kind: usize) -> Option<(usize, usize)> {
         self.bills.iter().enumerate().find_map(|(task, bill)| {
             bill.lines
@@ -214,11 +226,6 @@ impl Station {
                 .position(|(wanted, count, there)| *wanted == kind && there.len() < *count)
                 .map(|line| (task, line))
         })
-    }
-
-    /// The first task that works on this type without joining.
-    fn plain_task(&self, kind: usize) -> Option<usize> {
-        (0..self.kinds.len()).find(|&task| self.kinds[task] == kind && self.plain[task])
     }
 
     /// Whether the station makes parts of this type from others.
@@ -258,6 +265,22 @@ impl Station {
             .copied()
     }
 
+    /// Accepts a part for a task.
+    #[inline]
+    fn accept(&mut self, index: PartIndex, task: u32, part: &mut Part, now: f64) {
+        part.visit(self.first_copy);
+        self.part = Some(index);
+        self.task = task;
+        self.last_kind = Some(part.kind);
+        self.begun_at = now;
+    }
+
+    /// Draws the time of the work on the part; `None` if a controller determines it.
+    #[inline]
+    fn draw_time(&mut self) -> Option<f64> {
+        Some(self.times[self.task as usize].as_mut()?.draw())
+    }
+
     /// Starts the service of the part, which needs this time and energy.
     #[inline]
     fn start(&mut self, seconds: f64, joules: f64, control_seconds: f64) {
@@ -272,15 +295,25 @@ impl Station {
     /// Returns the seconds until it ends or the station breaks down, and the number of this event.
     #[inline]
     fn resume(&mut self, now: f64) -> Option<(f64, u32)> {
-        self.book(now);
         let works = self.on_shift || self.overtime;
         if self.failures.is_failed() || !works || self.running {
+            self.book(now);
             return None;
         }
+        let in_setup = self.phase == Phase::Setup;
+        let activity = if in_setup {
+            Activity::Setup
+        } else {
+            Activity::Busy
+        };
+        self.clock.switch(now, activity);
         self.running = true;
         self.resumed = now;
         self.number = self.number.wrapping_add(1);
-        Some((self.remaining.min(self.until_failure()), self.number))
+        let until_failure = self.until_failure();
+        let fails = until_failure < self.remaining;
+        let seconds = if fails { until_failure } else { self.remaining };
+        Some((seconds, self.number))
     }
 
     /// The activity of the interval that begins now, if one does; see [`Waits`].
@@ -329,7 +362,7 @@ impl Station {
     /// Seconds of the service that has just ended, without failures, and of those the seconds of
     /// control if a controller determined them.
     pub(super) fn work_ended(&self) -> (f64, Option<f64>) {
-        let is_controlled = self.times[self.task].is_none();
+        let is_controlled = self.times[self.task as usize].is_none();
         let control_seconds = is_controlled.then_some(self.service_control);
         (self.phase_seconds, control_seconds)
     }
@@ -478,28 +511,40 @@ impl Run<'_> {
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Arrived);
         let arriving = &self.parts[part];
-        let (kind, came_from) = (arriving.kind, arriving.came_from);
-        let station = self.station(node);
-        station.waits.supplier = came_from;
-        if let Some((task, line)) = station.component_place(kind) {
-            let bill = &mut station.bills[task];
-            bill.lines[line].2.push(part);
-            if bill
-                .lines
-                .iter()
-                .all(|(_, count, there)| there.len() == *count)
-            {
-                let order = self.next_number();
-                self.station(node).bills[task].complete = Some(order);
-                self.look_at(node);
-            }
-        } else if let Some(task) = station.plain_task(kind) {
+        let kind = arriving.kind;
+        let station = station_of(&mut self.nodes, node);
+        station.waits.supplier = arriving.came_from;
+        if station.joins_some() {
+            self.joining_arrival(node, part, kind);
+        } else if let Some(task) = station.plain[kind] {
             self.begin(node, task, part);
+        }
+    }
+
+    /// A part arrives at a station that joins: it is added to the first bill that lacks a component
+    /// of its type or, if there is none, begins.
+    #[inline(never)]
+    fn joining_arrival(&mut self, node: usize, part: PartIndex, kind: usize) {
+        let station = self.station(node);
+        let Some((task, line)) = station.component_place(kind) else {
+            if let Some(task) = station.plain[kind] {
+                self.begin(node, task, part);
+            }
+            return;
+        };
+        let bill = &mut station.bills[task];
+        bill.lines[line].2.push(part);
+        let mut lines = bill.lines.iter();
+        if lines.all(|(_, count, there)| there.len() == *count) {
+            let order = self.next_number();
+            self.station(node).bills[task].complete = Some(order);
+            self.look_at(node);
         }
     }
 
     /// Lets a free station join the bill that has been complete longest, unless a part for another
     /// task has waited longer.
+    #[inline(never)]
     pub(super) fn station_ready(&mut self, node: usize) {
         let Place::Station(station) = &self.nodes[node].place else {
             return;
@@ -518,7 +563,7 @@ impl Run<'_> {
         };
         let older = self.nodes[node].requests.iter().any(|request| {
             let kind = request.kind as usize;
-            request.order < order && !station.lacks(kind) && station.plain_task(kind).is_some()
+            request.order < order && !station.lacks(kind) && station.plain[kind].is_some()
         });
         if !older {
             self.join(node, task);
@@ -566,12 +611,13 @@ impl Run<'_> {
         self.counters.in_line[kind] += 1;
         self.record(node, Some(part), EventKind::Entered);
         if !self.refuse_out_of_range(node, part) {
-            self.begin(node, task, part);
+            self.begin(node, task as u32, part);
         }
         self.look_at(node);
     }
 
     /// Removes a part that has a value outside its range; returns whether it did.
+    #[inline(never)]
     fn refuse_out_of_range(&mut self, node: usize, part: PartIndex) -> bool {
         let kind = &self.line.parts[self.parts[part].kind];
         let Some(property) = kind.first_out_of_range(&self.parts[part].properties) else {
@@ -596,6 +642,7 @@ impl Run<'_> {
     /// Removes a part whose service breaks a rule, and orders its replacement.
     fn take_out(&mut self, node: usize, part: PartIndex, error: CallError) {
         self.violate(node, Some(part), error);
+        self.progress.limit_violations();
         self.station_left(node);
         let replacement = self.replacement(self.parts[part].kind);
         self.reject(node, part, replacement);
@@ -618,47 +665,84 @@ impl Run<'_> {
     }
 
     /// Begins to process a part, with setup first if the part type has changed.
-    #[inline]
-    fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
-        if self.station(node).waits.is_starved() {
+    #[expect(
+        clippy::inline_always,
+        reason = "a call would cost a good part of the body"
+    )]
+    #[inline(always)]
+    fn begin(&mut self, node: usize, task: u32, part: PartIndex) {
+        let kind = self.parts[part].kind;
+        let station = station_of(&mut self.nodes, node);
+        let changes = station.last_kind.is_some_and(|last| last != kind);
+        if station.waits.is_starved() {
             self.end_starving(node);
         }
+        if changes {
+            self.begin_setup(node, task, part);
+            return;
+        }
+        self.record(node, Some(part), EventKind::Started);
         let now = self.now;
         let station = station_of(&mut self.nodes, node);
-        self.parts[part].visit(station.first_copy);
-        let kind = station.kinds[task];
-        let changed = station.last_kind.is_some_and(|last| last != kind);
-        station.last_kind = Some(kind);
-        station.part = Some(part);
-        station.task = task;
-        station.begun_at = now;
-        let seconds = if changed { station.setup.draw() } else { 0.0 };
-        if seconds > 0.0 {
-            station.phase = Phase::Setup;
-            station.phase_seconds = seconds;
-            station.remaining = seconds;
-            self.record(node, Some(part), EventKind::SetupStarted);
-            self.resume(node);
-        } else {
-            self.serve_part(node, part);
-        }
-    }
-
-    /// Begins the service of a part. A controller, if there is one, is called for all operations of
-    /// the task. The station is busy from now on.
-    #[inline]
-    fn serve_part(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Started);
-        let station = station_of(&mut self.nodes, node);
-        if let Some(time) = &mut station.times[station.task] {
-            let seconds = time.draw();
+        station.accept(part, task, &mut self.parts[part], now);
+        if let Some(seconds) = station.draw_time() {
             station.start(seconds, seconds * station.watts, 0.0);
-            self.resume(node);
+            let end = station.resume(now);
+            self.schedule_end(node, end);
         } else {
             self.serve_with_controller(node, part);
         }
     }
 
+    /// Begins setup for a part or, if this takes no time, its service.
+    #[inline(never)]
+    fn begin_setup(&mut self, node: usize, task: u32, part: PartIndex) {
+        let now = self.now;
+        let station = station_of(&mut self.nodes, node);
+        station.accept(part, task, &mut self.parts[part], now);
+        let seconds = station.setup.draw();
+        if seconds <= 0.0 {
+            self.serve_part(node, part);
+            return;
+        }
+        station.phase = Phase::Setup;
+        station.phase_seconds = seconds;
+        station.remaining = seconds;
+        self.record(node, Some(part), EventKind::SetupStarted);
+        self.resume(node);
+    }
+
+    /// Begins the service of a part that the station has accepted. A controller, if there is one,
+    /// is called for all operations of the task. The station is busy from now on.
+    #[inline(never)]
+    fn serve_part(&mut self, node: usize, part: PartIndex) {
+        self.record(node, Some(part), EventKind::Started);
+        let now = self.now;
+        let station = station_of(&mut self.nodes, node);
+        if let Some(seconds) = station.draw_time() {
+            station.start(seconds, seconds * station.watts, 0.0);
+            let end = station.resume(now);
+            self.schedule_end(node, end);
+        } else {
+            self.serve_with_controller(node, part);
+        }
+    }
+
+    /// Schedules the end of setup or service, or the failure before it, if the station works. Its
+    /// state has changed.
+    #[inline]
+    fn schedule_end(&mut self, node: usize, end: Option<(f64, u32)>) {
+        if let Some((seconds, number)) = end {
+            self.schedule(
+                self.now + seconds,
+                WORK,
+                Event::Station(node as u32, number),
+            );
+        }
+        self.record_state(node);
+    }
+
+    #[inline(never)]
     fn serve_with_controller(&mut self, node: usize, part: PartIndex) {
         match self.simulate(node, part) {
             Ok(Service {
@@ -690,7 +774,7 @@ impl Run<'_> {
         else {
             return Ok(Service::default());
         };
-        let task = &declared.tasks[station.task];
+        let task = &declared.tasks[station.task as usize];
         let values = &mut station.values;
         values.clear();
         values.extend(
@@ -730,13 +814,11 @@ impl Run<'_> {
     }
 
     /// Starts or continues setup or service, unless the station is broken down or off shift.
-    #[inline]
+    #[inline(never)]
     fn resume(&mut self, node: usize) {
         let now = self.now;
-        if let Some((seconds, number)) = self.station(node).resume(now) {
-            self.schedule(now + seconds, WORK, Event::Station(node as u32, number));
-        }
-        self.record_state(node);
+        let end = self.station(node).resume(now);
+        self.schedule_end(node, end);
     }
 
     /// Setup or service ends, or the station breaks down.
@@ -798,7 +880,13 @@ impl Run<'_> {
         station.work_seconds += station.phase_seconds;
         station.phase = Phase::Done;
         station.overtime = false;
-        station.book(now);
+        // A station that has failed does not end a service.
+        let activity = if station.on_shift {
+            Activity::Blocked
+        } else {
+            Activity::Idle
+        };
+        station.clock.switch(now, activity);
         let can_strike = station.failures.can_strike();
         let finished = &mut self.parts[part];
         finished.worked_at = Some(node as u32);
@@ -809,18 +897,24 @@ impl Run<'_> {
         self.record(node, Some(part), EventKind::Ended);
         self.record_state(node);
         if can_strike {
-            for mode in self.station(node).failures.part_finished() {
-                self.break_down(node, mode);
-            }
+            self.strike_finished(node);
         }
         if has_properties && self.refuse_out_of_range(node, part) {
             return;
         }
-        self.offer(self.nodes[node].outlet, part);
-        self.begin_wait(node);
+        self.offer(node, node, part);
+    }
+
+    /// Lets the failures strike that come after a number of parts.
+    #[inline(never)]
+    fn strike_finished(&mut self, node: usize) {
+        for mode in self.station(node).failures.part_finished() {
+            self.break_down(node, mode);
+        }
     }
 
     /// Gives a part the properties that follow from the work on it, and possibly random defects.
+    #[inline(never)]
     fn change_properties(&mut self, node: usize, part: PartIndex) {
         let observed = self.is_observed();
         let NodeKind::Station(declared) = &self.line.nodes[node].kind else {
@@ -832,7 +926,7 @@ impl Run<'_> {
         };
         let finished = &mut self.parts[part];
         let before = observed.then(|| finished.properties.clone());
-        if station.times[station.task].is_none() {
+        if station.times[station.task as usize].is_none() {
             finished.properties.clone_from(&station.outcome);
         }
         declared.set_values(finished.kind, &mut finished.properties);
@@ -859,6 +953,7 @@ impl Run<'_> {
     }
 
     /// Frees a station that no longer has a part in work.
+    #[inline(never)]
     pub(super) fn station_left(&mut self, node: usize) {
         let now = self.now;
         self.station(node).clear(now);

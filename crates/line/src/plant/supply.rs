@@ -7,6 +7,7 @@ use crate::random::Purpose;
 use crate::sampler::Sampler;
 use linewright_language::contract::line::{NodeKind, Supply};
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// State of a source. The part that it has made and that waits to leave is at its outlet.
@@ -163,6 +164,8 @@ impl Source {
 /// again.
 #[derive(Debug)]
 pub(super) struct Store {
+    /// Its outlets, of those of all stores.
+    pub outlets: Range<usize>,
     stock: Vec<u64>,
     parts: Vec<VecDeque<PartIndex>>,
     /// By type: whether the part at the outlet was taken from the stock.
@@ -170,12 +173,13 @@ pub(super) struct Store {
 }
 
 impl Store {
-    pub(super) fn new(stock: &[(usize, u64)], types: usize) -> Self {
+    pub(super) fn new(stock: &[(usize, u64)], types: usize, outlets: Range<usize>) -> Self {
         let mut counts = vec![0_u64; types];
         for &(part, count) in stock {
             counts[part] = counts[part].saturating_add(count);
         }
         Self {
+            outlets,
             stock: counts,
             parts: vec![VecDeque::new(); types],
             from_stock: vec![false; types],
@@ -223,7 +227,9 @@ impl Run<'_> {
             source.replacements -= 1;
         } else {
             source.plan(self.now);
-            self.schedule_arrival(node);
+            if !source.due {
+                self.schedule_arrival(node);
+            }
         }
         self.counters.in_line[part] += 1;
         let part = self.parts.create(self.line, part, |_| None);
@@ -297,7 +303,7 @@ impl Run<'_> {
     /// Returns the next part that a store gives out: first from its stock, then in order of
     /// arrival.
     pub(super) fn give_out(&mut self, node: usize, outlet: usize) -> Option<PartIndex> {
-        let kind = self.outlets[outlet].kind?;
+        let (_, kind) = self.setup.store_outlets[outlet - self.nodes.len()];
         let Place::Store(store) = &mut self.nodes[node].place else {
             return None;
         };

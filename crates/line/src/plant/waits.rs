@@ -6,6 +6,7 @@
 //! The effort of a wait therefore does not depend on what happens meanwhile. It is constant for a
 //! blocked station, and proportional to the number of its suppliers for a starved one.
 
+use super::ways::Way;
 use super::{Place, Run, Setup};
 use crate::statistics::Activity;
 use crate::trace::{Wait, WaitKind};
@@ -130,6 +131,7 @@ impl Run<'_> {
         }
     }
 
+    #[inline(never)]
     fn begin_interval(&mut self, node: usize, activity: Activity) {
         match activity {
             Activity::Blocked => {
@@ -146,10 +148,12 @@ impl Run<'_> {
             }
             Activity::Starved => {
                 let setup: &Setup = self.setup;
-                self.station(node).waits.start.clear();
-                for &supplier in &setup.suppliers[node] {
-                    let down = self.down(supplier as usize);
-                    self.station(node).waits.start.push(down);
+                let suppliers = &setup.suppliers[node];
+                if !suppliers.is_empty() {
+                    let mut start = std::mem::take(&mut self.station(node).waits.start);
+                    start.clear();
+                    start.extend(suppliers.iter().map(|station| self.down(*station as usize)));
+                    self.station(node).waits.start = start;
                 }
             }
             _ => return,
@@ -169,6 +173,7 @@ impl Run<'_> {
         }
     }
 
+    #[inline(never)]
     fn end_interval(&mut self, node: usize, activity: Activity, seconds: f64) {
         let waits = &self.station(node).waits;
         if activity == Activity::Blocked {
@@ -200,6 +205,7 @@ impl Run<'_> {
 
     /// Charges the time for which a station was starved to the place from which the last part came.
     /// At the end of a run, in which no part has ended the wait, this is the part before.
+    #[inline(never)]
     pub(super) fn end_starving(&mut self, node: usize) {
         self.end_wait(node);
         let setup: &Setup = self.setup;
@@ -231,10 +237,13 @@ impl Run<'_> {
     }
 
     /// The place for which the part of a station waits, the first one if there are several.
+    #[inline]
     fn awaited_place(&self, node: usize) -> Option<usize> {
-        let outlet = &self.outlets[self.setup.first_outlet[node]];
-        let way = outlet.part.and(outlet.to)?;
-        self.setup.ways.to(way).first().copied()
+        let outlet = &self.nodes[node].outlet;
+        match outlet.part.and(outlet.to)? {
+            Way::To(place) => Some(place as usize),
+            way @ Way::Choice(_) => self.setup.ways.to(&way).first().map(|to| *to as usize),
+        }
     }
 
     /// The station at a place, or behind the full buffers and conveyors that begin there.
