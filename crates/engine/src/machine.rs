@@ -143,7 +143,11 @@ pub fn prove_machine(
         .iter()
         .map(|contract| (contract, of_refined_contract(machine, contract)))
         .collect();
-    let (decided, (proof, refinements)) = rayon::join(
+    let proof = within("proving it from its contracts", || {
+        prover.prove_stepwise(&system, &claim)
+    });
+    let closed = knowing(closed, controlled, &proof);
+    let (decided, refinements) = rayon::join(
         || {
             within("putting its controllers together", || {
                 prover.decide_closed(&closed)
@@ -151,11 +155,10 @@ pub fn prove_machine(
         },
         || {
             within("proving it from its contracts", || {
-                let proof = prover.prove_stepwise(&system, &claim);
                 let claims = refined.iter();
                 let refinements =
                     claims.map(|(_, (system, claim))| prover.prove_stepwise(system, claim));
-                (proof, refinements.collect::<Vec<_>>())
+                refinements.collect::<Vec<_>>()
             })
         },
     );
@@ -253,6 +256,19 @@ fn cut_short(
         && !findings.iter().any(|f| f.gave_up)
     {
         findings.push(undecided(span, &machine.name, *limit));
+    }
+}
+
+/// The closed composition with the justice that was proved from the contracts. A machine that has
+/// inner machines is proved over other wires than those of its composition.
+fn knowing<'a>(
+    closed: ClosedComposition<'a>,
+    controlled: &ControlledMachine<'_>,
+    proof: &Result<Proof, Limit>,
+) -> ClosedComposition<'a> {
+    match proof {
+        Ok(proof) if !is_layered(controlled) => closed.knowing(proof),
+        _ => closed,
     }
 }
 

@@ -6,6 +6,7 @@
 //! separately, in the order of a step. Justice is decided on the runs without errors.
 
 use super::rules::{RuleSet, ScheduledObligation, StepObligation};
+use super::table::conjunction;
 use super::{
     ClosedComposition, DischargeMethod, FailureKind, Form, OperationFailure, StuckComponent,
     Verdict, replay,
@@ -248,11 +249,20 @@ impl ClosedDecider<'_> {
             }
         }
         let mut left: Vec<(FormulaRef, usize)> = Vec::new();
+        let mut met: Vec<FormulaRef> = Vec::new();
         for (component, justice) in self.book.justice.iter().enumerate() {
-            left.extend(&justice.assumed);
-            if justice.assumed.is_empty() {
+            let (known, unknown): (Vec<_>, Vec<_>) = justice
+                .assumed
+                .iter()
+                .partition(|(at, _)| self.closed.known.contains(at));
+            if unknown.is_empty() {
                 self.reliable.insert(component);
             }
+            left.extend(unknown);
+            met.extend(known.into_iter().map(|(at, _)| at));
+        }
+        for at in met {
+            self.record_met(at);
         }
         loop {
             let mut waiting = Vec::new();
@@ -312,7 +322,9 @@ impl ClosedDecider<'_> {
     fn goals(&mut self) -> Result<(), Limit> {
         for (at, rule) in self.book.goals.clone() {
             if at.kind == FormulaKind::Justice {
-                match self.starved(rule)? {
+                let known = self.closed.known.contains(&at);
+                let lasso = if known { None } else { self.starved(rule)? };
+                match lasso {
                     None => self.record_met(at),
                     Some(lasso) => self.record_open(at, Refutation::Lasso(lasso)),
                 }
@@ -329,8 +341,9 @@ impl ClosedDecider<'_> {
     // ---- operations -----------------------------------------------------------------------------
 
     fn operations(&mut self) -> Result<(), Limit> {
+        let in_order = self.are_in_order()?;
         for operation in 0..self.closed.machine.operations.len() {
-            if let Some(why) = self.operation(operation)? {
+            if let Some(why) = self.operation(operation, in_order)? {
                 let failure = OperationFailure { operation, why };
                 if self.is_real(replay::check_operation_failure(self.closed, &failure)) {
                     self.verdict.operation_failures.push(failure);
@@ -342,7 +355,35 @@ impl ClosedDecider<'_> {
         Ok(())
     }
 
-    fn operation(&mut self, operation: usize) -> Result<Option<FailureKind>, Limit> {
+    /// Whether all operations run their actions in order: one question for all of them. Only if
+    /// they do not, each is examined separately.
+    fn are_in_order(&mut self) -> Result<bool, Limit> {
+        let (machine, Some(watch)) = (self.closed.machine, &self.closed.watch) else {
+            return Ok(true);
+        };
+        let operations = 0..machine.operations.len();
+        let all = operations.map(|operation| watch.in_order(machine, operation));
+        let all = conjunction(all.collect());
+        if all == Expr::TRUE {
+            return Ok(true);
+        }
+        let broken = self.add(FormulaKind::Invariant, all);
+        let keep = self.book.keep.clone();
+        let query = SafetyViolationQuery {
+            before: keep.clone(),
+            last: keep,
+            broken,
+        };
+        Ok(!self.runs.has_violation(&query)?)
+    }
+
+    /// Returns how an operation fails. `in_order` states that all operations run their actions in
+    /// order.
+    fn operation(
+        &mut self,
+        operation: usize,
+        in_order: bool,
+    ) -> Result<Option<FailureKind>, Limit> {
         let (machine, Some(watch)) = (self.closed.machine, &self.closed.watch) else {
             return Ok(None);
         };
@@ -355,10 +396,12 @@ impl ClosedDecider<'_> {
             let by = self.forbidding(watch.operation, never)?;
             return Ok(Some(FailureKind::NeverBegins(by)));
         }
-        let in_order = watch.in_order(machine, operation);
-        let in_order = self.add(FormulaKind::Invariant, in_order);
-        if let Some(trace) = self.violation(keep, in_order)? {
-            return Ok(Some(FailureKind::Order(trace)));
+        if !in_order {
+            let in_order = watch.in_order(machine, operation);
+            let in_order = self.add(FormulaKind::Invariant, in_order);
+            if let Some(trace) = self.violation(keep, in_order)? {
+                return Ok(Some(FailureKind::Order(trace)));
+            }
         }
         // If every request completes, each operation ends.
         let mut goals = self.closed.claim.goals();

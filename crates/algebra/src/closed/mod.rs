@@ -30,7 +30,7 @@ pub use watch::Watch;
 
 use super::caller::CalledMachine;
 use super::machine::{of_machine, of_refined_contract};
-use super::proof::{Claim, Exports, Open, latest};
+use super::proof::{Claim, DischargeRule, Exports, Open, Proof, latest};
 use super::system::{Component, ContractSide, FormulaRef, System};
 use linewright_core::gr1::{Domain, Expr, Formula, FormulaKind, Owner, Timing, VarId, Variable};
 use linewright_core::source::Span;
@@ -81,6 +81,9 @@ pub struct ClosedComposition<'a> {
     /// Variables that check that operations run the actions they name. Only for a machine with
     /// operations, built with [`ClosedComposition::of_machine`].
     pub watch: Option<Watch>,
+    /// Justice that is known to hold on all runs without errors; see
+    /// [`ClosedComposition::knowing`].
+    pub known: BTreeSet<FormulaRef>,
 }
 
 /// How an obligation of a closed composition is met.
@@ -244,7 +247,25 @@ impl<'a> ClosedComposition<'a> {
             claim,
             participants,
             watch,
+            known: BTreeSet::new(),
         }
+    }
+
+    /// Takes over the justice that was proved from the contracts, for the same system and claim: it
+    /// is not decided again. On a run without errors, the tables keep the guarantees of their
+    /// contracts, against which they were verified, and all safety assumptions are kept. The proof
+    /// goes in turns, so the justice guarantees that it relies on are those of components whose
+    /// justice assumptions it has discharged before. Hence what it shows for all controllers holds
+    /// for these.
+    ///
+    /// Safety is not taken over, because a step can also fail for lack of a row.
+    #[must_use]
+    pub fn knowing(mut self, proof: &Proof) -> Self {
+        let shown = proof.discharges.iter();
+        let shown = shown
+            .filter(|d| d.what.kind == FormulaKind::Justice && d.rule != DischargeRule::Exported);
+        self.known = shown.map(|d| d.what).collect();
+        self
     }
 
     /// Decides all obligations.

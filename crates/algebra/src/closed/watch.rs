@@ -7,6 +7,7 @@
 //! declared first counts.
 
 use super::add_internal_variable;
+use super::table::{any, conjunction};
 use crate::system::System;
 use linewright_core::gr1::{BinaryOp, Domain, Expr, FormulaKind, Time, VarId};
 use linewright_language::contract::machine::{Machine, PlantSource};
@@ -99,20 +100,28 @@ impl Watch {
 
     /// Returns the condition that, while an operation runs, the actions run in the order that it
     /// names, and it is done only after the last one.
+    ///
+    /// It is a conjunction over the actions: the numbers of the active action and of the named one,
+    /// as functions of all conditions of activity, would be far larger.
     pub(super) fn in_order(&self, machine: &Machine, operation: usize) -> Expr {
         let sequence = &machine.operations[operation].sequence;
-        let named = sequence.iter().enumerate();
-        let next = named.rev().fold(Expr::Const(-1), |rest, (place, action)| {
-            let here = Expr::now(self.begun).equals(Expr::Const(place as i64 + 1));
-            choose(here, Expr::Const(*action as i64 + 1), rest)
-        });
-        let active = active(machine, Time::Now);
-        let idle = active.clone().equals(Expr::Const(0));
-        let right = idle.or(active.equals(next));
-        let all = Expr::now(self.begun).equals(Expr::Const(sequence.len() as i64));
+        let begun = |count: usize| Expr::now(self.begun).equals(Expr::Const(count as i64));
+        let mut right = Vec::new();
+        let mut idle = Expr::TRUE;
+        for (index, component) in machine.components.iter().enumerate() {
+            let Some(active) = &component.active else {
+                continue;
+            };
+            let places = sequence.iter().enumerate();
+            let named = places.filter(|(_, action)| **action == index);
+            let named = any(named.map(|(place, _)| begun(place + 1)).collect());
+            right.push(idle.clone().and(active.clone()).implies(named));
+            idle = idle.and(active.clone().not());
+        }
         let done = machine.done.clone().unwrap_or(Expr::FALSE);
+        right.push(done.implies(begun(sequence.len())));
         self.runs(machine, operation)
-            .implies(right.and(done.implies(all)))
+            .implies(conjunction(right))
             .simplify()
     }
 }

@@ -28,7 +28,7 @@ pub struct Prover<'a> {
     /// continues.
     pub(super) kept: BTreeSet<usize>,
     /// Whether the rules that a discharge rests on must be minimal, not only sufficient.
-    minimal: bool,
+    pub(super) minimal: bool,
     /// Whether the goal's safety has to be kept step by step.
     pub(super) stepwise: bool,
     pub(super) proof: Proof,
