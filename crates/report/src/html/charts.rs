@@ -213,7 +213,7 @@ pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
     const NAMES: f64 = 210.0;
     let bottom = ranges.len() as f64 * ROW + 4.0;
     let height = bottom + 24.0;
-    let scale = Scale::of(ranges, NAMES + 70.0, WIDTH - 70.0);
+    let scale = Scale::of(ranges, NAMES + 110.0, WIDTH - 110.0);
     html! {
         svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
             @for mark in scale.marks() {
