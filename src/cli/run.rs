@@ -16,6 +16,7 @@ use crate::contract::machine::Machine;
 use crate::contract::set::Setting;
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::files::LoadedFiles;
+use crate::engine::output::PendingFile;
 use crate::engine::simulation::{self, Run, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
@@ -175,15 +176,16 @@ struct Simulated {
     line: Line,
     run: Run,
     findings: Vec<Diagnostic>,
-    /// What a report shows of the first run, if one is wanted.
+    /// What a report shows of the first run, and its file, if one is wanted.
     recorder: Option<Recorder>,
+    page_file: Option<PendingFile>,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let simulation = simulation_options(arguments, options)?;
-    let base = match simulate(arguments, &arguments.set, &simulation, true, options)? {
+    let mut base = match simulate(arguments, &arguments.set, &simulation, true, options)? {
         Ok(simulated) => simulated,
         Err(code) => return Ok(code),
     };
@@ -216,6 +218,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     };
     let set = settings_by_name(&arguments.set);
+    let page_file = base.page_file.take();
     let Simulated {
         loaded,
         line,
@@ -264,8 +267,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
-    if let Some(path) = &arguments.report {
-        match page::write(path, arguments, &base, several, compared.as_ref()) {
+    if let (Some(path), Some(file)) = (&arguments.report, page_file) {
+        match page::write(file, arguments, &base, several, compared.as_ref()) {
             Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
             Err(finding) => {
                 console.findings(sources, &[*finding])?;
@@ -356,11 +359,18 @@ fn simulate(
     }
 
     let traces: &[TraceFile] = if is_observed { &arguments.trace } else { &[] };
-    let files = match TraceFiles::new(traces, &loaded.places) {
-        Ok(files) => files,
-        Err(findings) => {
-            console.failed("run", sources, &findings)?;
-            return Ok(Err(options.exit_code(&findings)));
+    let report = arguments.report.as_ref().filter(|_| is_observed);
+    let page_file = report.map(|path| PendingFile::new(path, &loaded.places));
+    let (files, page_file) = match (
+        TraceFiles::new(traces, &loaded.places),
+        page_file.transpose(),
+    ) {
+        (Ok(files), Ok(page_file)) => (files, page_file),
+        (files, page_file) => {
+            let mut found = files.err().unwrap_or_default();
+            found.extend(page_file.err().map(|finding| *finding));
+            console.failed("run", sources, &found)?;
+            return Ok(Err(options.exit_code(&found)));
         }
     };
 
@@ -397,8 +407,7 @@ fn simulate(
         monitor: progress.monitor(),
         ..simulation.clone()
     };
-    let is_recorded = is_observed && arguments.report.is_some();
-    let mut recorder = is_recorded.then(|| Recorder::new(line));
+    let mut recorder = page_file.is_some().then(|| Recorder::new(line));
     let mut logs = files.logs(line, simulation.options.seed, arguments.epoch);
     let mut observers = Observers::default();
     if !traces.is_empty() {
@@ -424,6 +433,7 @@ fn simulate(
                 run,
                 findings,
                 recorder,
+                page_file,
             }))
         }
         Err(found) => {

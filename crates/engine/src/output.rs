@@ -35,7 +35,7 @@ impl PendingFile {
     /// Begins a file. Its folder is created if necessary; links are kept.
     ///
     /// # Errors
-    /// As for [`write`].
+    /// As for [`write()`].
     pub fn new(path: &Path, sources: &BTreeSet<PathBuf>) -> Result<Self, Box<Diagnostic>> {
         let target = target(path, sources)?;
         let file = temporary(&target).map_err(|e| Box::new(unwritable(path, &e, OTHER_PATH)))?;

@@ -2,16 +2,16 @@
 
 use super::{Arguments, Simulated};
 use crate::diagnostics::Diagnostic;
-use crate::engine::output;
+use crate::engine::output::PendingFile;
 use crate::line::comparison::Comparison;
 use crate::report::html::{Compared, Page, page};
 use crate::report::{Intervals, Variant};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::Write as _;
 
 /// Writes the page of a run to a file.
 pub(super) fn write(
-    path: &Path,
+    file: PendingFile,
     arguments: &Arguments,
     base: &Simulated,
     intervals: Option<Intervals<'_>>,
@@ -38,7 +38,8 @@ pub(super) fn write(
         version: env!("CARGO_PKG_VERSION"),
         findings: &base.findings,
     });
-    output::write(path, &text, &base.loaded.places)
+    let written = file.file().write_all(text.as_bytes());
+    file.keep(written)
 }
 
 /// The command line, quoted for a shell where that is necessary.

@@ -34,6 +34,7 @@ fn a_failed_run_changes_nothing() {
         ("run lamp.lw --rebuild", &failing, 2),
         ("run lamp.lw --out elsewhere", &failing, 2),
         ("run lamp.lw --trace log.csv", &failing, 2),
+        ("run lamp.lw --report page.html", &failing, 2),
         ("build lamp.lw", &nowhere, 2),
         ("run lamp.lw --out taken", &[], 2),
         ("run lamp.lw --timeout 0.000001", &[], 3),

@@ -1,4 +1,4 @@
-//! `run --trace`: files with the events of a run.
+//! `run --trace` and `--report`: files about a run.
 
 use super::session::Session;
 
@@ -77,6 +77,7 @@ fn a_file_that_cannot_be_written_stops_the_run() {
     for line in [
         "run l.lw --trace taken/a.csv",
         "run l.lw --trace folder.csv",
+        "run l.lw --report taken/a.html",
     ] {
         let printed = session.run(line);
         assert_eq!(printed.code, 2, "{line}: {}", printed.err);
