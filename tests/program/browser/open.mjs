@@ -4,11 +4,12 @@
 //
 // MODULES is a folder in which `npm install puppeteer-core @sparticuz/chromium axe-core` was run.
 import { createRequire } from "node:module";
+import { resolve } from "node:path";
 import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 const [modules, ...pages] = process.argv.slice(2);
-const require = createRequire(`${modules}/package.json`);
+const require = createRequire(resolve(modules, "package.json"));
 const load = async (name) => (await import(pathToFileURL(require.resolve(name)))).default;
 const puppeteer = await load("puppeteer-core");
 const chromium = await load("@sparticuz/chromium");
