@@ -76,9 +76,24 @@ impl Wine {
     }
 
     /// Runs a Windows program. Paths among its arguments have to be Windows paths.
+    ///
+    /// Wine's server ends soon after the last program. A program that starts at this moment can
+    /// lose its connection before it has done anything; it is then started again.
     pub fn run(&self, program: &Path, arguments: &[String], patience: Duration) -> Finished {
-        let mut command = self.command();
-        command.arg(windows_path(program)).args(arguments);
-        run(&mut command, patience)
+        const ATTEMPTS: usize = 3;
+        let attempt = || {
+            let mut command = self.command();
+            command.arg(windows_path(program)).args(arguments);
+            run(&mut command, patience)
+        };
+        let mut finished = attempt();
+        for _ in 1..ATTEMPTS {
+            let is_lost = finished.output.is_empty();
+            if !(is_lost && finished.errors.contains("wine client error")) {
+                break;
+            }
+            finished = attempt();
+        }
+        finished
     }
 }
