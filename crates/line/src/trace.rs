@@ -90,6 +90,19 @@ pub enum End {
     GaveUp,
 }
 
+impl End {
+    /// The word for it in documents and logs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Products => "products",
+            Self::Time => "time",
+            Self::Blocked => "blocked",
+            Self::PartLost => "part_lost",
+            Self::GaveUp => "gave_up",
+        }
+    }
+}
+
 /// Counts of mobile units of all types:
 /// `before + entered = finished + rejected + consumed + in_progress`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -125,7 +125,7 @@ impl<W: RowWriter> EventWriter for Table<'_, W> {
         self.rows.row(&Row {
             time: moment.time,
             what: "run_ended",
-            other: Some(end_word(end)),
+            other: Some(end.word()),
             seconds: moment.worked,
             ..Row::default()
         })?;
@@ -168,16 +168,5 @@ pub(crate) fn state_word(state: Activity) -> &'static str {
         Activity::Idle => "idle",
         Activity::Setup => "setup",
         Activity::FailedOffShift => "failed_off_shift",
-    }
-}
-
-/// The word for the reason why a run ended.
-pub(crate) fn end_word(end: End) -> &'static str {
-    match end {
-        End::Products => "products",
-        End::Time => "time",
-        End::Blocked => "blocked",
-        End::PartLost => "part_lost",
-        End::GaveUp => "gave_up",
     }
 }

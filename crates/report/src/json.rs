@@ -8,7 +8,7 @@ use linewright_language::contract::line::Line;
 use linewright_language::contract::metric::Measure;
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{
-    End, LeadTime, Oee, Shares, SourceStatistics, StationStatistics, WaitKind, WorkTime,
+    LeadTime, Oee, Shares, SourceStatistics, StationStatistics, WaitKind, WorkTime,
 };
 use linewright_line::{
     Batches, Bottleneck, Estimate, ReplicatedRequirement, Replications, Trace, Verdict,
@@ -145,7 +145,7 @@ pub fn json(
         "schema": "linewright/run/1",
         "line": line.name,
         "seed": trace.seed,
-        "end": end_word(trace.end),
+        "end": trace.end.word(),
         "simulated_seconds": round(trace.seconds, 6),
         "warm_up_seconds": round(trace.warm_up, 6),
         "makespan_seconds": round(trace.makespan, 6),
@@ -386,17 +386,6 @@ fn bound(estimate: Estimate, sign: f64, places: i32) -> Option<f64> {
     estimate
         .half_width
         .map(|half| round(estimate.mean + sign * half, places))
-}
-
-/// Returns the word for the reason why a run ended.
-pub(super) fn end_word(end: End) -> &'static str {
-    match end {
-        End::Products => "products",
-        End::Time => "time",
-        End::Blocked => "blocked",
-        End::PartLost => "part_lost",
-        End::GaveUp => "gave_up",
-    }
 }
 
 fn kwh(joules: f64) -> f64 {

@@ -2,24 +2,14 @@
 //
 // node open.mjs MODULES PAGE...
 //
-// MODULES is a folder in which `npm install puppeteer-core @sparticuz/chromium axe-core` was run.
-import { createRequire } from "node:module";
-import { resolve } from "node:path";
+// MODULES is a folder in which `npm install` was run with this folder's package.json.
 import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
+import { find, launch } from "./chromium.mjs";
 
 const [modules, ...pages] = process.argv.slice(2);
-const require = createRequire(resolve(modules, "package.json"));
-const load = async (name) => (await import(pathToFileURL(require.resolve(name)))).default;
-const puppeteer = await load("puppeteer-core");
-const chromium = await load("@sparticuz/chromium");
-const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
-
-const browser = await puppeteer.launch({
-  executablePath: await chromium.executablePath(),
-  args: [...chromium.args, "--no-sandbox"],
-  headless: "shell",
-});
+const axe = readFileSync(find(modules, "axe-core/axe.min.js"), "utf8");
+const browser = await launch(modules);
 for (const file of pages) {
   const problem = (what) => console.log(`${file}: ${what}`);
   for (const scheme of ["light", "dark"]) {
@@ -45,6 +35,9 @@ for (const file of pages) {
     for (const violation of found.violations) {
       problem(`axe, ${scheme}: ${violation.id}: ${violation.nodes.map((node) => node.target.join(" ")).slice(0, 3).join(", ")}`);
     }
+    await page.emulateMediaType("print");
+    const printed = await page.$eval(".controls", (controls) => getComputedStyle(controls).display);
+    if (printed !== "none") problem("controls are printed");
     await page.close();
   }
 }

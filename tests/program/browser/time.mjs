@@ -3,20 +3,11 @@
 // node time.mjs MODULES PAGE
 //
 // MODULES is a folder in which `npm install` was run with this folder's package.json.
-import { createRequire } from "node:module";
-import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
+import { launch } from "./chromium.mjs";
 
 const [modules, file] = process.argv.slice(2);
-const require = createRequire(resolve(modules, "package.json"));
-const load = async (name) => (await import(pathToFileURL(require.resolve(name)))).default;
-const puppeteer = await load("puppeteer-core");
-const chromium = await load("@sparticuz/chromium");
-const browser = await puppeteer.launch({
-  executablePath: await chromium.executablePath(),
-  args: [...chromium.args, "--no-sandbox"],
-  headless: "shell",
-});
+const browser = await launch(modules);
 const times = { ready: [], redraw: [], seek: [] };
 for (let run = 0; run < 5; run++) {
   const page = await browser.newPage();

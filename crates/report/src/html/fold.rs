@@ -295,8 +295,9 @@ pub(super) fn rounded(points: &[Point]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::picture::unlabeled;
     use super::*;
-    use linewright_core::drawing::layers::{Direction, Link, Spacing, place};
+    use linewright_core::drawing::layers::{Direction, Spacing, place};
 
     fn chain(count: usize, more: &[(usize, usize)]) -> (Placement, Vec<Size>, Vec<(usize, usize)>) {
         let sizes = vec![
@@ -308,21 +309,13 @@ mod tests {
         ];
         let mut links: Vec<(usize, usize)> = (1..count).map(|to| (to - 1, to)).collect();
         links.extend(more);
-        let to_place: Vec<Link> = links
-            .iter()
-            .map(|&(from, to)| Link {
-                from,
-                to,
-                label: Size::default(),
-            })
-            .collect();
         let spacing = Spacing {
             boxes: 20.0,
             links: 10.0,
             layers: 40.0,
         };
         (
-            place(&sizes, &to_place, Direction::Right, spacing),
+            place(&sizes, &unlabeled(&links), Direction::Right, spacing),
             sizes,
             links,
         )

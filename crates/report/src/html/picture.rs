@@ -35,15 +35,7 @@ impl Picture {
                 links.push((route.from, route.to));
             }
         }
-        let to_place: Vec<Link> = links
-            .iter()
-            .map(|&(from, to)| Link {
-                from,
-                to,
-                label: Size::default(),
-            })
-            .collect();
-        let placement = place(&sizes, &to_place, Direction::Right, SPACING);
+        let placement = place(&sizes, &unlabeled(&links), Direction::Right, SPACING);
         let placement = fold(placement, &sizes, &links);
         Self {
             placement,
@@ -107,6 +99,13 @@ impl Picture {
             }
         }
     }
+}
+
+/// Links without labels between these boxes.
+pub(super) fn unlabeled(links: &[(usize, usize)]) -> Vec<Link> {
+    let label = Size::default();
+    let links = links.iter();
+    links.map(|&(from, to)| Link { from, to, label }).collect()
 }
 
 fn number(value: f64) -> String {

@@ -90,7 +90,7 @@ impl Recorder {
             units: Steps::new(),
             visited: vec![false; nodes],
             buffers: buffers.collect(),
-            is_product: types.map(|part| line.products.contains(&part)).collect(),
+            is_product: types.map(|part| line.is_product(part)).collect(),
             lead_times: Histogram::new(),
             entered: HashMap::new(),
             joined: HashMap::new(),

@@ -66,19 +66,26 @@ fn runs() -> Vec<Recorded> {
     ]
 }
 
-fn written(run: &Recorded) -> String {
-    page(&Page {
-        line: &run.line,
-        traces: std::slice::from_ref(&run.trace),
-        intervals: None,
-        recorder: &run.recorder,
-        comparison: None,
-        sources: &run.sources,
-        set: &BTreeMap::new(),
-        command: "linewright run line.lw",
-        version: "0",
-        findings: &run.trace.findings,
-    })
+impl Recorded {
+    fn page(&self) -> Page<'_> {
+        static NO_NUMBERS: BTreeMap<&str, &str> = BTreeMap::new();
+        Page {
+            line: &self.line,
+            traces: std::slice::from_ref(&self.trace),
+            intervals: None,
+            recorder: &self.recorder,
+            comparison: None,
+            sources: &self.sources,
+            set: &NO_NUMBERS,
+            command: "linewright run line.lw",
+            version: "0",
+            findings: &self.trace.findings,
+        }
+    }
+
+    fn written(&self) -> String {
+        page(&self.page())
+    }
 }
 
 fn assert_near(a: f64, b: f64, what: &str) {
@@ -145,19 +152,7 @@ fn the_figures_are_those_of_the_run() {
 fn the_columns_for_the_script_are_those_of_the_log() {
     for run in runs() {
         let picture = Picture::new(&run.line);
-        let written = Page {
-            line: &run.line,
-            traces: std::slice::from_ref(&run.trace),
-            intervals: None,
-            recorder: &run.recorder,
-            comparison: None,
-            sources: &run.sources,
-            set: &BTreeMap::new(),
-            command: "",
-            version: "0",
-            findings: &[],
-        };
-        let columns = Columns::read(&data::json(&written, &picture));
+        let columns = Columns::read(&data::json(&run.page(), &picture));
         let tick = packed::tick(run.recorder.end);
         let mut moves = columns.moves.iter();
         for entry in &run.log.entries {
@@ -212,8 +207,8 @@ fn the_columns_for_the_script_are_those_of_the_log() {
 #[test]
 fn a_page_asks_no_network_and_is_small() {
     for run in runs() {
-        let text = written(&run);
-        assert_eq!(text, written(&run));
+        let text = run.written();
+        assert_eq!(text, run.written());
         assert!(text.len() < 2_000_000, "{} bytes", text.len());
         for word in ["src=", "@import", "url(http", "fetch(", "XMLHttpRequest"] {
             assert!(!text.contains(word), "{word}");
@@ -234,7 +229,7 @@ fn text_of_the_model_cannot_end_the_script() {
             ..Options::default()
         },
     );
-    let text = written(&run);
+    let text = run.written();
     assert_eq!(text.matches("</script>").count(), 2);
     assert!(text.contains("&lt;/script&gt;&lt;b&gt; &amp; "));
 }
