@@ -202,6 +202,7 @@ fn moved_to_origin(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     const BOX: Size = Size {
         width: 40.0,
@@ -254,5 +255,75 @@ mod tests {
     fn nothing_is_placed_without_boxes() {
         let placed = place(&[], &[], Direction::Down, SPACING);
         assert_eq!(placed.size, Size::default());
+    }
+
+    /// Returns what is wrong with a placement: a label or a box on another one, something outside.
+    fn faults(boxes: &[Size], links: &[Link], placed: &Placement) -> Vec<String> {
+        let boxes = boxes.iter().zip(&placed.boxes).enumerate();
+        let mut frames: Vec<(String, Size, Point)> = boxes
+            .map(|(index, (size, at))| (format!("box {index}"), *size, *at))
+            .collect();
+        for (index, (link, placed)) in links.iter().zip(&placed.links).enumerate() {
+            let name = format!("label {index}");
+            frames.extend(placed.label.map(|at| (name, link.label, at)));
+        }
+        let mut faults = Vec::new();
+        for (index, (name, size, at)) in frames.iter().enumerate() {
+            if !is_inside(*size, *at, placed.size) {
+                faults.push(format!("{name} is outside"));
+            }
+            for (other, other_size, other_at) in &frames[index + 1..] {
+                let x = (at.x - other_at.x).abs() - (size.width + other_size.width) / 2.0;
+                let y = (at.y - other_at.y).abs() - (size.height + other_size.height) / 2.0;
+                if x < -TOLERANCE && y < -TOLERANCE {
+                    faults.push(format!("{name} is on {other}"));
+                }
+            }
+        }
+        for (index, link) in placed.links.iter().enumerate() {
+            let is_in = |at: &Point| is_inside(Size::default(), *at, placed.size);
+            if !link.points.iter().all(is_in) {
+                faults.push(format!("link {index} is outside"));
+            }
+        }
+        faults
+    }
+
+    /// Rounding error that is no overlap, in SVG units.
+    const TOLERANCE: f64 = 1e-6;
+
+    fn is_inside(size: Size, at: Point, whole: Size) -> bool {
+        at.x - size.width / 2.0 >= -TOLERANCE
+            && at.y - size.height / 2.0 >= -TOLERANCE
+            && at.x + size.width / 2.0 <= whole.width + TOLERANCE
+            && at.y + size.height / 2.0 <= whole.height + TOLERANCE
+    }
+
+    fn any_size() -> impl Strategy<Value = Size> {
+        (20.0..200.0, 15.0..90.0).prop_map(|(width, height)| Size { width, height })
+    }
+
+    /// Boxes, and links among them: loops, parallel links, links with and without a label.
+    fn any_graph() -> impl Strategy<Value = (Vec<Size>, Vec<Link>)> {
+        prop::collection::vec(any_size(), 1..14).prop_flat_map(|boxes| {
+            let count = boxes.len();
+            let label = prop_oneof![1 => Just(Size::default()), 3 => any_size()];
+            let link = (0..count, 0..count, label);
+            let link = link.prop_map(|(from, to, label)| Link { from, to, label });
+            (Just(boxes), prop::collection::vec(link, 0..30))
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn nothing_overlaps_and_nothing_is_outside((boxes, links) in any_graph()) {
+            for direction in [Direction::Down, Direction::Right] {
+                let placed = place(&boxes, &links, direction, SPACING);
+                let faults = faults(&boxes, &links, &placed);
+                prop_assert!(faults.is_empty(), "{direction:?}: {faults:?}");
+            }
+        }
     }
 }
