@@ -144,8 +144,68 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
             label: label.filter(|_| has_label),
         }
     });
-    let placed_links = placed_links.collect();
+    let mut placed_links: Vec<PlacedLink> = placed_links.collect();
+    place_loops(boxes, links, &centers, direction, &mut placed_links);
     moved_to_origin(boxes, links, centers, placed_links)
+}
+
+/// Distance between a loop and its label, and between the loops of one box, in SVG units.
+const LOOP_DISTANCE: f64 = 4.0;
+
+/// Leads loops through the gap between their box and their label, in place of the way of dagre,
+/// which ends behind the middle of the label. A further loop of the same box goes round the labels
+/// of those before it.
+fn place_loops(
+    boxes: &[Size],
+    links: &[Link],
+    centers: &[Point],
+    direction: Direction,
+    placed: &mut [PlacedLink],
+) {
+    // Dagre places the labels of loops beside the box in its layer. `across` runs along the layer.
+    let across_along = |x: f64, y: f64| match direction {
+        Direction::Down => (x, y),
+        Direction::Right => (y, x),
+    };
+    let point = |across: f64, along: f64| {
+        let (x, y) = across_along(across, along);
+        Point { x, y }
+    };
+    for (index, center) in centers.iter().enumerate() {
+        let is_own = |number: &usize| links[*number].from == index && links[*number].to == index;
+        let mut loops: Vec<usize> = (0..links.len()).filter(is_own).collect();
+        let middle = |number: usize| {
+            let link = &placed[number];
+            let inner = link.points.get(link.points.len() / 2);
+            let at = link.label.or(inner.copied()).unwrap_or(*center);
+            across_along(at.x, at.y).0
+        };
+        loops.sort_by(|a, b| middle(*a).total_cmp(&middle(*b)));
+        let ends: Vec<f64> = loops.iter().map(|number| middle(*number)).collect();
+        let (half_width, half_height) =
+            across_along(boxes[index].width / 2.0, boxes[index].height / 2.0);
+        let (at, along) = across_along(center.x, center.y);
+        let border = at + half_width;
+        let mut reach = half_height / 2.0;
+        for (count, (number, end)) in loops.into_iter().zip(ends).enumerate() {
+            let label = links[number].label;
+            let (width, height) = across_along(label.width, label.height);
+            let end = end - width / 2.0 - LOOP_DISTANCE;
+            let start = (half_height / 2.0 + count as f64 * LOOP_DISTANCE).min(half_height * 0.9);
+            let mut points = vec![point(border, along - start)];
+            if reach > start {
+                points.push(point(border + LOOP_DISTANCE, along - reach));
+            }
+            points.push(point(end, along - reach));
+            points.push(point(end, along + reach));
+            if reach > start {
+                points.push(point(border + LOOP_DISTANCE, along + reach));
+            }
+            points.push(point(border, along + start));
+            placed[number].points = points;
+            reach = reach.max(height / 2.0) + LOOP_DISTANCE;
+        }
+    }
 }
 
 /// Shifts everything so that it begins at 0, and measures it.
@@ -273,20 +333,36 @@ mod tests {
                 faults.push(format!("{name} is outside"));
             }
             for (other, other_size, other_at) in &frames[index + 1..] {
-                let x = (at.x - other_at.x).abs() - (size.width + other_size.width) / 2.0;
-                let y = (at.y - other_at.y).abs() - (size.height + other_size.height) / 2.0;
+                let x = (at.x - other_at.x).abs() - f64::midpoint(size.width, other_size.width);
+                let y = (at.y - other_at.y).abs() - f64::midpoint(size.height, other_size.height);
                 if x < -TOLERANCE && y < -TOLERANCE {
                     faults.push(format!("{name} is on {other}"));
                 }
             }
         }
-        for (index, link) in placed.links.iter().enumerate() {
+        for (index, (link, declared)) in placed.links.iter().zip(links).enumerate() {
+            let x = |at: &Point| at.x;
+            let y = |at: &Point| at.y;
+            let is_clear = |label: Point| {
+                let size = declared.label;
+                misses(&link.points, x, label.x, size.width)
+                    || misses(&link.points, y, label.y, size.height)
+            };
+            if declared.from == declared.to && !link.label.is_none_or(is_clear) {
+                faults.push(format!("loop {index} is behind its label"));
+            }
             let is_in = |at: &Point| is_inside(Size::default(), *at, placed.size);
             if !link.points.iter().all(is_in) {
                 faults.push(format!("link {index} is outside"));
             }
         }
         faults
+    }
+
+    /// Whether all points lie on one side of a label, in one coordinate.
+    fn misses(points: &[Point], of: fn(&Point) -> f64, middle: f64, size: f64) -> bool {
+        points.iter().all(|at| of(at) < middle - size / 2.0)
+            || points.iter().all(|at| of(at) > middle + size / 2.0)
     }
 
     /// Rounding error that is no overlap, in SVG units.

@@ -3,6 +3,7 @@
 pub mod dot;
 pub mod layers;
 pub mod svg;
+mod text;
 
 /// States and edges with their labels, independent of the output format.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! A graph as an SVG picture, in layers.
 
 use super::layers::{Direction, Link, PlacedLink, Placement, Point, Size, Spacing, place};
-use super::{Edge, Graph, Region};
+use super::{Edge, Graph, Region, text};
 use std::fmt::Write as _;
 
 const STATE_FONT: f64 = 13.0;
@@ -37,7 +37,7 @@ pub fn render_regions(name: &str, regions: &[Region]) -> String {
     let mut whole = Size::default();
     for region in regions {
         let (placement, inside) = drawn(&region.graph);
-        let title = text_size(std::slice::from_ref(&region.title), STATE_FONT);
+        let title = text::size(std::slice::from_ref(&region.title), STATE_FONT, true);
         let frame = Size {
             width: placement.size.width.max(title.width) + 2.0 * GAP,
             height: placement.size.height + title.height + GAP,
@@ -104,7 +104,7 @@ fn placed(graph: &Graph, direction: Direction) -> Placement {
     let mut boxes: Vec<Size> = graph
         .states
         .iter()
-        .map(|label| text_size(label, STATE_FONT))
+        .map(|label| text::size(label, STATE_FONT, true))
         .collect();
     if graph.edges.iter().any(|edge| edge.from.is_none()) {
         boxes.push(START);
@@ -118,7 +118,7 @@ fn placed(graph: &Graph, direction: Direction) -> Placement {
             label: if edge.label.is_empty() {
                 Size::default()
             } else {
-                text_size(&edge.label, EDGE_FONT)
+                text::size(&edge.label, EDGE_FONT, false)
             },
         })
         .collect();
@@ -164,7 +164,7 @@ fn curve(points: &[Point]) -> String {
 }
 
 fn draw_label(body: &mut String, at: Point, edge: &Edge) {
-    let size = text_size(&edge.label, EDGE_FONT);
+    let size = text::size(&edge.label, EDGE_FONT, false);
     // A background, so that lines behind the text do not cross it.
     let _ = writeln!(
         body,
@@ -178,7 +178,7 @@ fn draw_label(body: &mut String, at: Point, edge: &Edge) {
 }
 
 fn draw_state(body: &mut String, at: Point, label: &[String]) {
-    let size = text_size(label, STATE_FONT);
+    let size = text::size(label, STATE_FONT, true);
     let _ = writeln!(
         body,
         "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"8\" fill=\"aliceblue\" stroke=\"black\"/>",
@@ -206,15 +206,6 @@ fn draw_text(body: &mut String, at: Point, lines: &[String], font: f64, has_head
             first + index as f64 * 1.2 * font,
             escape(line)
         );
-    }
-}
-
-/// Estimates the size of a text with these lines, including a margin.
-fn text_size(lines: &[String], font: f64) -> Size {
-    let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
-    Size {
-        width: longest.max(2) as f64 * 0.58 * font + 16.0,
-        height: lines.len() as f64 * 1.2 * font + 12.0,
     }
 }
 

@@ -1,0 +1,56 @@
+//! Measures the texts of drawings.
+
+use super::layers::Size;
+
+/// Widths of the characters from space to tilde in Helvetica, in thousandths of the font size, from
+/// the font metrics that Adobe published. Arial and Liberation Sans have the same widths.
+#[rustfmt::skip]
+const WIDTHS: [u16; 95] = [
+    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278,
+    556, 556, 556, 556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556,
+    1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833, 722, 778,
+    667, 778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556,
+    333, 556, 556, 500, 556, 556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556,
+    556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584,
+];
+
+/// Width of a bold text in proportion to the normal one, rounded up.
+const BOLD: f64 = 1.1;
+
+/// Distance between two lines, in proportion to the font size.
+pub(super) const LINE: f64 = 1.2;
+
+/// Estimates the width of a text in SVG units, without margins.
+pub(super) fn width(text: &str, font: f64, is_bold: bool) -> f64 {
+    let of_character = |c: char| match c {
+        ' '..='~' => WIDTHS[c as usize - ' ' as usize],
+        // Letters with accents, Greek and Cyrillic.
+        '\u{0}'..='\u{1fff}' => 722,
+        _ => 1000,
+    };
+    let thousandths: f64 = text.chars().map(of_character).map(f64::from).sum();
+    thousandths / 1000.0 * font * if is_bold { BOLD } else { 1.0 }
+}
+
+/// Estimates the size of a text with these lines, including a margin. If it has a heading, that is
+/// its first line, which is bold.
+pub(super) fn size(lines: &[String], font: f64, has_heading: bool) -> Size {
+    let widths = lines.iter().enumerate();
+    let widths = widths.map(|(index, line)| width(line, font, has_heading && index == 0));
+    Size {
+        width: widths.fold(font, f64::max) + 16.0,
+        height: lines.len() as f64 * LINE * font + 12.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn narrow_letters_take_less_room_than_wide_ones() {
+        assert!(width("illi", 10.0, false) < width("WMWM", 10.0, false) / 3.0);
+        assert!((width("n = 3", 10.0, false) - 22.52).abs() < 1e-9);
+        assert!(width("S1", 10.0, true) > width("S1", 10.0, false));
+    }
+}
