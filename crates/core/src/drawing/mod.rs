@@ -1,7 +1,10 @@
 //! Labelled state graphs as Graphviz text and as pictures. The callers decide what the graphs show.
 
+mod canvas;
 pub mod dot;
+mod layered;
 pub mod layers;
+mod legend;
 pub mod svg;
 mod text;
 

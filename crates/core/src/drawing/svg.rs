@@ -1,231 +1,255 @@
-//! A graph as an SVG picture, in layers.
+//! A graph as an SVG picture that fits on a page, in the first of these forms that does: in layers,
+//! with narrower labels, with keys in place of labels and a legend, as an outline in which states
+//! with the same outputs are one box, or as a table and a matrix.
 
-use super::layers::{Direction, Link, PlacedLink, Placement, Point, Size, Spacing, place};
-use super::{Edge, Graph, Region, text};
-use std::fmt::Write as _;
+use super::canvas::{Canvas, MARGIN, REGION, STATE_FONT, Shape};
+use super::layers::Point;
+use super::legend::{columns, with_keys};
+use super::{Graph, Region, layered, text};
 
-const STATE_FONT: f64 = 13.0;
-const EDGE_FONT: f64 = 11.0;
+/// Maximum width of a picture in SVG units.
+const PAGE_WIDTH: f64 = 1600.0;
 
 /// Distance between regions, and padding inside a region, in SVG units.
 const GAP: f64 = 12.0;
 
-/// Width in SVG units up to which a drawing fits on a page.
-const PAGE_WIDTH: f64 = 1600.0;
+/// Maximum number of characters in a line of a narrow label.
+const NARROW: usize = 24;
 
-/// Size of the dot from which the edges to the initial states begin.
-const START: Size = Size {
-    width: 10.0,
-    height: 10.0,
-};
-
-const SPACING: Spacing = Spacing {
-    boxes: 24.0,
-    links: 14.0,
-    layers: 28.0,
-};
+/// Maximum number of characters in a line of the title of a region.
+const TITLE: usize = 60;
 
 /// Draws a graph and returns the SVG document.
 pub fn render(name: &str, graph: &Graph) -> String {
-    let (placement, body) = drawn(graph);
-    document(name, placement.size, &body)
+    picture(graph, PAGE_WIDTH - 2.0 * MARGIN).document(name)
 }
 
-/// Draws regions side by side, each in a frame with its title.
+/// Draws regions side by side, each in a frame with its title, in as many rows as needed.
 pub fn render_regions(name: &str, regions: &[Region]) -> String {
-    let mut body = String::new();
-    let mut whole = Size::default();
+    regions_picture(regions).document(name)
+}
+
+fn regions_picture(regions: &[Region]) -> Canvas {
+    let limit = PAGE_WIDTH - 2.0 * MARGIN;
+    let mut whole = Canvas::default();
+    let mut row = Canvas::default();
     for region in regions {
-        let (placement, inside) = drawn(&region.graph);
-        let title = text::size(std::slice::from_ref(&region.title), STATE_FONT, true);
-        let frame = Size {
-            width: placement.size.width.max(title.width) + 2.0 * GAP,
-            height: placement.size.height + title.height + GAP,
-        };
-        let left = whole.width + if whole.width > 0.0 { GAP } else { 0.0 };
-        // Writing to a string cannot fail.
-        let _ = write!(
-            body,
-            "<rect x=\"{left:.1}\" y=\"0\" width=\"{:.1}\" height=\"{:.1}\" rx=\"8\" fill=\"none\" stroke=\"dimgray\" \
-             stroke-dasharray=\"4 3\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{STATE_FONT}\" font-weight=\"bold\">{}</text>\n\
-             <g transform=\"translate({:.1} {:.1})\">\n{inside}</g>\n",
-            frame.width,
-            frame.height,
-            left + frame.width / 2.0,
-            title.height - 8.0,
-            escape(&region.title),
-            left + (frame.width - placement.size.width) / 2.0,
-            title.height,
-        );
-        whole.width = left + frame.width;
-        whole.height = whole.height.max(frame.height);
-    }
-    document(name, whole, &body)
-}
-
-/// Places and draws a graph, in the direction in which it fits better.
-fn drawn(graph: &Graph) -> (Placement, String) {
-    let down = placed(graph, Direction::Down);
-    let right = placed(graph, Direction::Right);
-    let is_better = |a: &Placement, b: &Placement| {
-        let over = |p: &Placement| (p.size.width - PAGE_WIDTH).max(0.0);
-        let area = |p: &Placement| p.size.width * p.size.height;
-        (over(a), area(a)) < (over(b), area(b))
-    };
-    let placement = if is_better(&right, &down) {
-        right
-    } else {
-        down
-    };
-    let mut body = String::new();
-    for link in &placement.links {
-        draw_arrow(&mut body, link);
-    }
-    for (edge, link) in graph.edges.iter().zip(&placement.links) {
-        if let Some(at) = link.label {
-            draw_label(&mut body, at, edge);
+        let framed = framed(region, limit);
+        let mut x = row.size.width + if row.shapes.is_empty() { 0.0 } else { GAP };
+        if x > 0.0 && x + framed.size.width > limit {
+            whole.add_below(GAP, std::mem::take(&mut row));
+            x = 0.0;
         }
+        row.add(Point { x, y: 0.0 }, framed);
     }
-    for (state, at) in graph.states.iter().zip(&placement.boxes) {
-        draw_state(&mut body, *at, state);
-    }
-    if let Some(at) = placement.boxes.get(graph.states.len()) {
-        let _ = writeln!(
-            body,
-            "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"5\"/>",
-            at.x, at.y
-        );
-    }
-    (placement, body)
+    whole.add_below(GAP, row);
+    whole
 }
 
-/// Places a graph. The dot is the last box.
-fn placed(graph: &Graph, direction: Direction) -> Placement {
-    let mut boxes: Vec<Size> = graph
-        .states
-        .iter()
-        .map(|label| text::size(label, STATE_FONT, true))
-        .collect();
-    if graph.edges.iter().any(|edge| edge.from.is_none()) {
-        boxes.push(START);
-    }
-    let links: Vec<Link> = graph
-        .edges
-        .iter()
-        .map(|edge| Link {
-            from: edge.from.unwrap_or(graph.states.len()),
-            to: edge.to,
-            label: if edge.label.is_empty() {
-                Size::default()
-            } else {
-                text::size(&edge.label, EDGE_FONT, false)
-            },
-        })
-        .collect();
-    place(&boxes, &links, direction, SPACING)
-}
-
-fn draw_arrow(body: &mut String, link: &PlacedLink) {
-    let _ = writeln!(
-        body,
-        "<path d=\"{}\" fill=\"none\" stroke=\"dimgray\" marker-end=\"url(#head)\"/>",
-        curve(&link.points)
-    );
-}
-
-/// A smooth curve along a polyline, as the data of an SVG path: it touches the middle of each inner
-/// piece.
-fn curve(points: &[Point]) -> String {
-    let mut data = String::new();
-    let Some((first, rest)) = points.split_first() else {
-        return data;
+/// Draws a region in its frame.
+fn framed(region: &Region, limit: f64) -> Canvas {
+    let inside = picture(&region.graph, limit - 2.0 * GAP);
+    let title = text::wrap(std::slice::from_ref(&region.title), TITLE);
+    let title_size = text::size(&title, STATE_FONT, true);
+    let mut canvas = Canvas::default();
+    canvas.size.width = inside.size.width.max(title_size.width) + 2.0 * GAP;
+    canvas.size.height = title_size.height + inside.size.height + GAP;
+    let corner = Point { x: 0.0, y: 0.0 };
+    let size = canvas.size;
+    canvas.shapes.push(Shape::Rectangle(corner, size, REGION));
+    let x = size.width / 2.0;
+    let y = title_size.height / 2.0;
+    canvas.lines(Point { x, y }, &title, STATE_FONT, true);
+    let at = Point {
+        x: (size.width - inside.size.width) / 2.0,
+        y: title_size.height,
     };
-    let _ = write!(data, "M {:.1} {:.1}", first.x, first.y);
-    for (index, point) in rest.iter().enumerate() {
-        match rest.get(index + 1) {
-            None => {
-                let _ = write!(data, " L {:.1} {:.1}", point.x, point.y);
+    canvas.add(at, inside);
+    canvas
+}
+
+/// Draws a graph within a width in SVG units.
+fn picture(graph: &Graph, limit: f64) -> Canvas {
+    in_layers(graph, limit).unwrap_or_else(|| layered::draw(graph, limit))
+}
+
+/// Draws a graph in layers, if its labels can be made narrow enough for the width.
+fn in_layers(graph: &Graph, limit: f64) -> Option<Canvas> {
+    let fits = |canvas: &Canvas| canvas.size.width <= limit;
+    let whole = layered::draw(graph, limit);
+    if fits(&whole) {
+        return Some(whole);
+    }
+    let narrow = narrow(graph);
+    let drawn = layered::draw(&narrow, limit);
+    if fits(&drawn) {
+        return Some(drawn);
+    }
+    // The legend has room for the original lines of the labels.
+    let (mut keyed, legend) = with_keys(graph);
+    keyed.states = narrow.states;
+    let mut drawn = layered::draw(&keyed, limit);
+    if !fits(&drawn) {
+        return None;
+    }
+    drawn.add_below(2.0 * GAP, columns(&legend, limit));
+    fits(&drawn).then_some(drawn)
+}
+
+/// Wraps the lines of all labels.
+fn narrow(graph: &Graph) -> Graph {
+    let mut graph = graph.clone();
+    for state in &mut graph.states {
+        *state = text::wrap(state, NARROW);
+    }
+    for edge in &mut graph.edges {
+        edge.label = text::wrap(&edge.label, NARROW);
+    }
+    graph
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Edge;
+    use super::super::canvas::{Anchor, Text};
+    use super::super::layers::Size;
+    use super::*;
+
+    const LIMIT: f64 = PAGE_WIDTH - 2.0 * MARGIN;
+
+    /// Left, top, right and bottom of a text.
+    fn frame(text: &Text) -> [f64; 4] {
+        let width = text::width(&text.content, text.font, text.is_bold);
+        let left = match text.anchor {
+            Anchor::Start => text.at.x,
+            Anchor::Middle => text.at.x - width / 2.0,
+        };
+        let (top, bottom) = (text.at.y - 0.75 * text.font, text.at.y + 0.25 * text.font);
+        [left, top, left + width, bottom]
+    }
+
+    /// Returns what is wrong with a picture: a text on another one, something outside.
+    fn faults(canvas: &Canvas) -> Vec<String> {
+        let Size { width, height } = canvas.size;
+        let is_in =
+            |at: Point| at.x > -0.1 && at.y > -0.1 && at.x < width + 0.1 && at.y < height + 0.1;
+        let mut faults = Vec::new();
+        let mut frames: Vec<(&str, [f64; 4])> = Vec::new();
+        for shape in &canvas.shapes {
+            let is_inside = match shape {
+                Shape::Text(text) => {
+                    let [x, y, right, bottom] = frame(text);
+                    frames.push((&text.content, frame(text)));
+                    is_in(Point { x, y })
+                        && is_in(Point {
+                            x: right,
+                            y: bottom,
+                        })
+                }
+                Shape::Rectangle(corner, size, _) => {
+                    let x = corner.x + size.width;
+                    let y = corner.y + size.height;
+                    is_in(*corner) && is_in(Point { x, y })
+                }
+                Shape::Arrow(points) => points.iter().all(|at| is_in(*at)),
+                Shape::Dot(at) => is_in(*at),
+            };
+            if !is_inside {
+                faults.push(format!("outside: {shape:?}"));
             }
-            Some(next) => {
-                let (x, y) = (
-                    f64::midpoint(point.x, next.x),
-                    f64::midpoint(point.y, next.y),
-                );
-                let is_last = index + 2 == rest.len();
-                let (x, y) = if is_last { (next.x, next.y) } else { (x, y) };
-                let _ = write!(data, " Q {:.1} {:.1} {x:.1} {y:.1}", point.x, point.y);
-                if is_last {
-                    break;
+        }
+        for (index, (a, first)) in frames.iter().enumerate() {
+            for (b, second) in &frames[index + 1..] {
+                let overlap = |low: usize, high: usize| {
+                    first[high].min(second[high]) - first[low].max(second[low]) > 0.1
+                };
+                if overlap(0, 2) && overlap(1, 3) {
+                    faults.push(format!("{a:?} is on {b:?}"));
                 }
             }
         }
+        faults
     }
-    data
-}
 
-fn draw_label(body: &mut String, at: Point, edge: &Edge) {
-    let size = text::size(&edge.label, EDGE_FONT, false);
-    // A background, so that lines behind the text do not cross it.
-    let _ = writeln!(
-        body,
-        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"white\" fill-opacity=\"0.85\"/>",
-        at.x - size.width / 2.0 + 6.0,
-        at.y - size.height / 2.0 + 4.0,
-        size.width - 12.0,
-        size.height - 8.0
-    );
-    draw_text(body, at, &edge.label, EDGE_FONT, false);
-}
+    fn texts(canvas: &Canvas) -> Vec<&str> {
+        let mut texts = Vec::new();
+        for shape in &canvas.shapes {
+            if let Shape::Text(text) = shape {
+                texts.push(text.content.as_str());
+            }
+        }
+        texts
+    }
 
-fn draw_state(body: &mut String, at: Point, label: &[String]) {
-    let size = text::size(label, STATE_FONT, true);
-    let _ = writeln!(
-        body,
-        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"8\" fill=\"aliceblue\" stroke=\"black\"/>",
-        at.x - size.width / 2.0,
-        at.y - size.height / 2.0,
-        size.width,
-        size.height
-    );
-    draw_text(body, at, label, STATE_FONT, true);
-}
-
-/// Writes lines around a center. If the text has a heading, that is its first line.
-fn draw_text(body: &mut String, at: Point, lines: &[String], font: f64, has_heading: bool) {
-    let first = at.y - (lines.len() as f64 - 1.0) * 0.6 * font + 0.35 * font;
-    for (index, line) in lines.iter().enumerate() {
-        let weight = if has_heading && index == 0 {
-            " font-weight=\"bold\""
-        } else {
-            ""
+    /// A ring of states in which each also has a loop and some chords, with labels of so many
+    /// lines.
+    fn ring(count: usize, chords: usize, lines: usize, groups: usize) -> Graph {
+        let state = |s| vec![format!("S{s}"), format!("speed = {}, !turning", s % groups)];
+        let edge = |from: usize, to: usize| {
+            let line = format!("command != move & grip & tx = {from} & ty != {to}");
+            Edge {
+                from: Some(from),
+                to,
+                label: vec![line; lines],
+            }
         };
-        let _ = writeln!(
-            body,
-            "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{font}\"{weight}>{}</text>",
-            at.x,
-            first + index as f64 * 1.2 * font,
-            escape(line)
-        );
+        let mut edges = vec![Edge {
+            from: None,
+            to: 0,
+            label: vec!["true".to_owned()],
+        }];
+        for from in 0..count {
+            edges.push(edge(from, from));
+            edges.extend((0..chords).map(|chord| edge(from, (from + 1 + 3 * chord) % count)));
+        }
+        Graph {
+            states: (0..count).map(state).collect(),
+            edges,
+        }
     }
-}
 
-fn document(title: &str, size: Size, body: &str) -> String {
-    let (width, height) = (size.width + 20.0, size.height + 20.0);
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
-         viewBox=\"-10 -10 {width:.0} {height:.0}\">\n<title>{}</title>\n\
-         <defs><marker id=\"head\" markerWidth=\"9\" markerHeight=\"7\" refX=\"9\" refY=\"3.5\" orient=\"auto\">\
-         <polygon points=\"0 0, 9 3.5, 0 7\" fill=\"dimgray\"/></marker></defs>\n\
-         <style>text {{ font-family: Helvetica, Arial, sans-serif; text-anchor: middle }}</style>\n\
-         <rect x=\"-10\" y=\"-10\" width=\"{width:.0}\" height=\"{height:.0}\" fill=\"white\"/>\n{body}</svg>\n",
-        escape(title),
-    )
-}
+    #[test]
+    fn a_small_graph_keeps_its_labels() {
+        let canvas = picture(&ring(3, 1, 1, 3), LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let label = "command != move & grip & tx = 0 & ty != 1";
+        assert!(texts(&canvas).contains(&label));
+    }
 
-/// Replaces the characters that have a meaning in XML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    #[test]
+    fn wide_labels_become_narrow_and_then_keys() {
+        let graph = ring(12, 4, 1, 12);
+        let canvas = picture(&graph, LIMIT);
+        assert!(canvas.size.width <= LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        // The picture and the legend.
+        let count = |text: &str| texts(&canvas).iter().filter(|t| **t == text).count();
+        assert_eq!(count("b"), 2);
+        assert_eq!(count("aa"), 2);
+    }
+
+    #[test]
+    fn equal_labels_have_one_key() {
+        let mut graph = ring(12, 4, 1, 12);
+        for edge in &mut graph.edges {
+            edge.label = vec!["x".repeat(47); 2];
+        }
+        let canvas = picture(&graph, LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let texts = texts(&canvas);
+        assert!(texts.contains(&"a") && !texts.contains(&"b"));
+    }
+
+    #[test]
+    fn regions_are_in_rows() {
+        let region = |number: usize| Region {
+            title: format!("Rule {number}"),
+            graph: ring(4, 2, 1, 4),
+        };
+        let canvas = regions_picture(&[0, 1, 2, 3].map(region));
+        assert!(canvas.size.width <= LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let svg = render_regions("Rules", &[0, 1, 2, 3].map(region));
+        assert!(svg.contains("Rule 3"));
+    }
 }

@@ -1,4 +1,4 @@
-//! Measures the texts of drawings.
+//! Measures and wraps the texts of drawings.
 
 use super::layers::Size;
 
@@ -19,6 +19,9 @@ const BOLD: f64 = 1.1;
 
 /// Distance between two lines, in proportion to the font size.
 pub(super) const LINE: f64 = 1.2;
+
+/// Separators after which a line is broken rather than at another space.
+const SEPARATORS: [&str; 3] = [",", "&", "|"];
 
 /// Estimates the width of a text in SVG units, without margins.
 pub(super) fn width(text: &str, font: f64, is_bold: bool) -> f64 {
@@ -43,6 +46,57 @@ pub(super) fn size(lines: &[String], font: f64, has_heading: bool) -> Size {
     }
 }
 
+/// Breaks lines that have more characters than the limit: after a separator if there is one, else
+/// at a space. A word that is longer than twice the limit is broken anywhere.
+pub(super) fn wrap(lines: &[String], limit: usize) -> Vec<String> {
+    lines.iter().flat_map(|line| broken(line, limit)).collect()
+}
+
+fn broken(line: &str, limit: usize) -> Vec<String> {
+    let length = |text: &str| text.chars().count();
+    if length(line) <= limit {
+        return vec![line.to_owned()];
+    }
+    // Parts that end with a separator; those that are too long are replaced by their words.
+    let mut parts: Vec<String> = Vec::new();
+    let mut part = String::new();
+    for word in line.split_whitespace() {
+        if !part.is_empty() {
+            part.push(' ');
+        }
+        part.push_str(word);
+        if length(&part) > 1 && SEPARATORS.iter().any(|end| word.ends_with(end)) {
+            parts.push(std::mem::take(&mut part));
+        }
+    }
+    parts.push(part);
+    let pieces = parts.iter().flat_map(|part| {
+        if length(part) <= limit {
+            vec![part.clone()]
+        } else {
+            let words = part.split_whitespace();
+            words.flat_map(|word| cut(word, 2 * limit)).collect()
+        }
+    });
+    let mut result: Vec<String> = Vec::new();
+    for piece in pieces.filter(|piece| !piece.is_empty()) {
+        match result.last_mut() {
+            Some(last) if length(last) + 1 + length(&piece) <= limit => {
+                last.push(' ');
+                last.push_str(&piece);
+            }
+            _ => result.push(piece),
+        }
+    }
+    result
+}
+
+/// Cuts a word into pieces of at most so many characters.
+fn cut(word: &str, limit: usize) -> Vec<String> {
+    let characters: Vec<char> = word.chars().collect();
+    characters.chunks(limit).map(String::from_iter).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,5 +106,21 @@ mod tests {
         assert!(width("illi", 10.0, false) < width("WMWM", 10.0, false) / 3.0);
         assert!((width("n = 3", 10.0, false) - 22.52).abs() < 1e-9);
         assert!(width("S1", 10.0, true) > width("S1", 10.0, false));
+    }
+
+    #[test]
+    fn lines_break_after_separators_first() {
+        let lines = ["command != move & tx = 0 & ty != 0".to_owned()];
+        assert_eq!(wrap(&lines, 24), ["command != move &", "tx = 0 & ty != 0"]);
+        assert_eq!(wrap(&lines, 40), lines);
+        let alternative = ["| command = move & grip".to_owned()];
+        assert_eq!(wrap(&alternative, 18), ["| command = move &", "grip"]);
+    }
+
+    #[test]
+    fn a_long_word_is_cut() {
+        let lines = wrap(&["x".repeat(100)], 20);
+        assert_eq!(lines.len(), 3);
+        assert_eq!(lines.concat().len(), 100);
     }
 }

@@ -1,0 +1,231 @@
+//! What a picture consists of, and its form as SVG text.
+
+use super::layers::{Point, Size};
+use super::text::{self, LINE};
+use std::fmt::Write as _;
+
+/// Font size of states and titles, in SVG units.
+pub(super) const STATE_FONT: f64 = 13.0;
+
+/// Font size of labels, legends and tables, in SVG units.
+pub(super) const LABEL_FONT: f64 = 11.0;
+
+/// Margin around the document, in SVG units.
+pub(super) const MARGIN: f64 = 10.0;
+
+/// Style of the box of a state.
+pub(super) const STATE: &str = "rx=\"8\" fill=\"aliceblue\" stroke=\"black\"";
+
+/// Style of the background of a label, so that lines behind the text do not cross it.
+pub(super) const BACKGROUND: &str = "fill=\"white\" fill-opacity=\"0.85\"";
+
+/// Style of the frame of a region.
+pub(super) const REGION: &str =
+    "rx=\"8\" fill=\"none\" stroke=\"dimgray\" stroke-dasharray=\"4 3\"";
+
+/// The part of a text that is at its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+}
+
+/// One line of text.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Text {
+    /// A point of the base line.
+    pub at: Point,
+    pub anchor: Anchor,
+    /// Font size in SVG units.
+    pub font: f64,
+    pub is_bold: bool,
+    pub content: String,
+}
+
+/// A part of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Shape {
+    /// A rectangle, with its upper left corner.
+    Rectangle(Point, Size, &'static str),
+    /// The smooth curve of an arrow along these points.
+    Arrow(Vec<Point>),
+    /// The dot from which the edges to the initial states begin.
+    Dot(Point),
+    Text(Text),
+}
+
+/// Shapes, in the order in which they cover each other, and the size that they fill from 0.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Canvas {
+    pub size: Size,
+    pub shapes: Vec<Shape>,
+}
+
+impl Canvas {
+    /// Adds a rectangle around its center.
+    pub fn rectangle(&mut self, center: Point, size: Size, style: &'static str) {
+        let corner = Point {
+            x: center.x - size.width / 2.0,
+            y: center.y - size.height / 2.0,
+        };
+        self.shapes.push(Shape::Rectangle(corner, size, style));
+    }
+
+    /// Adds lines around a center. If the text has a heading, that is its first line.
+    pub fn lines(&mut self, center: Point, lines: &[String], font: f64, has_heading: bool) {
+        let first = center.y - (lines.len() as f64 - 1.0) * LINE / 2.0 * font + 0.35 * font;
+        for (index, line) in lines.iter().enumerate() {
+            self.shapes.push(Shape::Text(Text {
+                at: Point {
+                    x: center.x,
+                    y: first + index as f64 * LINE * font,
+                },
+                anchor: Anchor::Middle,
+                font,
+                is_bold: has_heading && index == 0,
+                content: line.clone(),
+            }));
+        }
+    }
+
+    /// Adds a line of a legend or a table, and enlarges the canvas for it.
+    pub fn write(&mut self, x: f64, base: f64, is_bold: bool, content: &str) {
+        let width = text::width(content, LABEL_FONT, is_bold);
+        self.size.width = self.size.width.max(x + width);
+        self.size.height = self.size.height.max(base + 0.3 * LABEL_FONT);
+        self.shapes.push(Shape::Text(Text {
+            at: Point { x, y: base },
+            anchor: Anchor::Start,
+            font: LABEL_FONT,
+            is_bold,
+            content: content.to_owned(),
+        }));
+    }
+
+    /// Adds another canvas at a place, and enlarges this one for it.
+    pub fn add(&mut self, at: Point, other: Self) {
+        let moved = |point: Point| Point {
+            x: point.x + at.x,
+            y: point.y + at.y,
+        };
+        self.size.width = self.size.width.max(at.x + other.size.width);
+        self.size.height = self.size.height.max(at.y + other.size.height);
+        self.shapes
+            .extend(other.shapes.into_iter().map(|shape| match shape {
+                Shape::Rectangle(corner, size, style) => {
+                    Shape::Rectangle(moved(corner), size, style)
+                }
+                Shape::Arrow(points) => Shape::Arrow(points.into_iter().map(moved).collect()),
+                Shape::Dot(center) => Shape::Dot(moved(center)),
+                Shape::Text(text) => Shape::Text(Text {
+                    at: moved(text.at),
+                    ..text
+                }),
+            }));
+    }
+
+    /// Adds another canvas below what is there.
+    pub fn add_below(&mut self, gap: f64, other: Self) {
+        let y = if self.size.height > 0.0 {
+            self.size.height + gap
+        } else {
+            0.0
+        };
+        self.add(Point { x: 0.0, y }, other);
+    }
+
+    /// Returns the SVG document.
+    pub fn document(&self, title: &str) -> String {
+        let width = self.size.width + 2.0 * MARGIN;
+        let height = self.size.height + 2.0 * MARGIN;
+        let mut text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
+             viewBox=\"-{MARGIN} -{MARGIN} {width:.0} {height:.0}\">\n<title>{}</title>\n\
+             <defs><marker id=\"head\" markerWidth=\"9\" markerHeight=\"7\" refX=\"9\" refY=\"3.5\" orient=\"auto\">\
+             <polygon points=\"0 0, 9 3.5, 0 7\" fill=\"dimgray\"/></marker></defs>\n\
+             <style>text {{ font-family: Helvetica, Arial, sans-serif; text-anchor: middle }}</style>\n\
+             <rect x=\"-{MARGIN}\" y=\"-{MARGIN}\" width=\"{width:.0}\" height=\"{height:.0}\" fill=\"white\"/>\n",
+            escape(title),
+        );
+        for shape in &self.shapes {
+            write_shape(&mut text, shape);
+        }
+        text.push_str("</svg>\n");
+        text
+    }
+}
+
+fn write_shape(output: &mut String, shape: &Shape) {
+    // Writing to a string cannot fail.
+    let _ = match shape {
+        Shape::Rectangle(Point { x, y }, Size { width, height }, style) => writeln!(
+            output,
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>"
+        ),
+        Shape::Arrow(points) => writeln!(
+            output,
+            "<path d=\"{}\" fill=\"none\" stroke=\"dimgray\" marker-end=\"url(#head)\"/>",
+            curve(points)
+        ),
+        Shape::Dot(Point { x, y }) => {
+            writeln!(output, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>")
+        }
+        Shape::Text(text) => {
+            let anchor = match text.anchor {
+                Anchor::Start => " style=\"text-anchor: start\"",
+                Anchor::Middle => "",
+            };
+            let weight = if text.is_bold {
+                " font-weight=\"bold\""
+            } else {
+                ""
+            };
+            writeln!(
+                output,
+                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{}\"{weight}{anchor}>{}</text>",
+                text.at.x,
+                text.at.y,
+                text.font,
+                escape(&text.content)
+            )
+        }
+    };
+}
+
+/// A smooth curve along a polyline, as the data of an SVG path: it touches the middle of each inner
+/// piece.
+fn curve(points: &[Point]) -> String {
+    let mut data = String::new();
+    let Some((first, rest)) = points.split_first() else {
+        return data;
+    };
+    let _ = write!(data, "M {:.1} {:.1}", first.x, first.y);
+    for (index, point) in rest.iter().enumerate() {
+        match rest.get(index + 1) {
+            None => {
+                let _ = write!(data, " L {:.1} {:.1}", point.x, point.y);
+            }
+            Some(next) => {
+                let (x, y) = (
+                    f64::midpoint(point.x, next.x),
+                    f64::midpoint(point.y, next.y),
+                );
+                let is_last = index + 2 == rest.len();
+                let (x, y) = if is_last { (next.x, next.y) } else { (x, y) };
+                let _ = write!(data, " Q {:.1} {:.1} {x:.1} {y:.1}", point.x, point.y);
+                if is_last {
+                    break;
+                }
+            }
+        }
+    }
+    data
+}
+
+/// Replaces the characters that have a meaning in XML.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
