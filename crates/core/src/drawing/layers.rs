@@ -139,30 +139,79 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
             points: if points.len() < 2 {
                 vec![centers[link.from], centers[link.to]]
             } else {
-                points
+                through_label(points, label, link.label, direction)
             },
             label: label.filter(|_| has_label),
         }
     });
     let mut placed_links: Vec<PlacedLink> = placed_links.collect();
-    place_loops(boxes, links, &centers, direction, &mut placed_links);
+    place_loops(
+        boxes,
+        links,
+        &centers,
+        direction,
+        spacing,
+        &mut placed_links,
+    );
     moved_to_origin(boxes, links, centers, placed_links)
+}
+
+/// Makes a link straight where it passes its label, so that a smooth curve passes its center.
+fn through_label(
+    points: Vec<Point>,
+    label: Option<Point>,
+    size: Size,
+    direction: Direction,
+) -> Vec<Point> {
+    let is_label = |at: &Point| {
+        label.is_some_and(|label| (label.x - at.x).abs() < 0.1 && (label.y - at.y).abs() < 0.1)
+    };
+    let Some(index) = points.iter().position(is_label) else {
+        return points;
+    };
+    let center = points[index];
+    let shifted = |part: f64| match direction {
+        Direction::Down => Point {
+            y: center.y + part * size.height,
+            ..center
+        },
+        Direction::Right => Point {
+            x: center.x + part * size.width,
+            ..center
+        },
+    };
+    // Links that lead back have their points in the other order.
+    let before = if index == 0 {
+        center
+    } else {
+        points[index - 1]
+    };
+    let is_back = match direction {
+        Direction::Down => before.y > center.y,
+        Direction::Right => before.x > center.x,
+    };
+    let half = if is_back { -0.5 } else { 0.5 };
+    let mut result = points;
+    result.splice(index..=index, [shifted(-half), center, shifted(half)]);
+    result
 }
 
 /// Distance between a loop and its label, and between the loops of one box, in SVG units.
 const LOOP_DISTANCE: f64 = 4.0;
 
-/// Leads loops through the gap between their box and their label, in place of the way of dagre,
-/// which ends behind the middle of the label. A further loop of the same box goes round the labels
-/// of those before it.
+/// Moves the labels of loops to their box, and leads the loops through the gap between them, in
+/// place of the way of dagre, which ends behind the middle of the label. A further loop of the
+/// same box goes round the labels of those before it.
 fn place_loops(
     boxes: &[Size],
     links: &[Link],
     centers: &[Point],
     direction: Direction,
+    spacing: Spacing,
     placed: &mut [PlacedLink],
 ) {
-    // Dagre places the labels of loops beside the box in its layer. `across` runs along the layer.
+    // Dagre places the labels of loops beside the box in its layer, with nothing between them.
+    // `across` runs along the layer.
     let across_along = |x: f64, y: f64| match direction {
         Direction::Down => (x, y),
         Direction::Right => (y, x),
@@ -171,26 +220,33 @@ fn place_loops(
         let (x, y) = across_along(across, along);
         Point { x, y }
     };
+    let gap = f64::midpoint(spacing.boxes, spacing.links);
     for (index, center) in centers.iter().enumerate() {
         let is_own = |number: &usize| links[*number].from == index && links[*number].to == index;
-        let mut loops: Vec<usize> = (0..links.len()).filter(is_own).collect();
         let middle = |number: usize| {
             let link = &placed[number];
             let inner = link.points.get(link.points.len() / 2);
             let at = link.label.or(inner.copied()).unwrap_or(*center);
             across_along(at.x, at.y).0
         };
-        loops.sort_by(|a, b| middle(*a).total_cmp(&middle(*b)));
-        let ends: Vec<f64> = loops.iter().map(|number| middle(*number)).collect();
+        let loops = (0..links.len()).filter(is_own);
+        let mut loops: Vec<(f64, usize)> = loops.map(|number| (middle(number), number)).collect();
+        loops.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (half_width, half_height) =
             across_along(boxes[index].width / 2.0, boxes[index].height / 2.0);
         let (at, along) = across_along(center.x, center.y);
         let border = at + half_width;
+        let mut end_of_last = border;
         let mut reach = half_height / 2.0;
-        for (count, (number, end)) in loops.into_iter().zip(ends).enumerate() {
+        for (count, (middle, number)) in loops.into_iter().enumerate() {
             let label = links[number].label;
             let (width, height) = across_along(label.width, label.height);
-            let end = end - width / 2.0 - LOOP_DISTANCE;
+            let middle = middle.min(end_of_last + gap + width / 2.0);
+            end_of_last = middle + width / 2.0;
+            if let Some(label) = &mut placed[number].label {
+                *label = point(middle, across_along(label.x, label.y).1);
+            }
+            let end = middle - width / 2.0 - LOOP_DISTANCE;
             let start = (half_height / 2.0 + count as f64 * LOOP_DISTANCE).min(half_height * 0.9);
             let mut points = vec![point(border, along - start)];
             if reach > start {
@@ -348,6 +404,13 @@ mod tests {
                 misses(&link.points, x, label.x, size.width)
                     || misses(&link.points, y, label.y, size.height)
             };
+            let is_on = |label: Point| {
+                let near = |at: &Point| (at.x - label.x).abs() + (at.y - label.y).abs() < 0.2;
+                link.points.iter().any(near)
+            };
+            if declared.from != declared.to && !link.label.is_none_or(is_on) {
+                faults.push(format!("label {index} is off its link"));
+            }
             if declared.from == declared.to && !link.label.is_none_or(is_clear) {
                 faults.push(format!("loop {index} is behind its label"));
             }
