@@ -23,6 +23,9 @@ pub(super) const BACKGROUND: &str = "fill=\"white\" fill-opacity=\"0.85\"";
 pub(super) const REGION: &str =
     "rx=\"8\" fill=\"none\" stroke=\"dimgray\" stroke-dasharray=\"4 3\"";
 
+/// Style of a cell of a matrix that is not empty.
+pub(super) const CELL: &str = "fill=\"aliceblue\" stroke=\"silver\"";
+
 /// The part of a text that is at its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
@@ -180,9 +183,16 @@ fn write_shape(output: &mut String, shape: &Shape) {
             } else {
                 ""
             };
+            // A wider font in place of Helvetica is squeezed, so that texts never overlap.
+            let width = text::width(&text.content, text.font, text.is_bold);
+            let length = if text.content.is_ascii() && width > 0.0 {
+                format!(" textLength=\"{width:.1}\" lengthAdjust=\"spacingAndGlyphs\"")
+            } else {
+                String::new()
+            };
             writeln!(
                 output,
-                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{}\"{weight}{anchor}>{}</text>",
+                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{}\"{weight}{anchor}{length}>{}</text>",
                 text.at.x,
                 text.at.y,
                 text.font,

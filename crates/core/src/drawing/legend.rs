@@ -8,6 +8,9 @@ use super::text::{self, LINE};
 /// Distance between columns, and between a key and its text, in SVG units.
 const GAP: f64 = 12.0;
 
+/// Distance between entries, in lines.
+const SEPARATION: f64 = 0.4;
+
 /// Maximum number of characters in a line of an entry.
 pub(super) const WIDTH: usize = 48;
 
@@ -55,27 +58,27 @@ pub(super) fn columns(entries: &[Entry], limit: f64) -> Canvas {
     let key_width = keys.fold(0.0, f64::max) + GAP;
     let lines = entries.iter().flat_map(|entry| &entry.lines);
     let column_width = key_width + lines.map(|line| width(line, false)).fold(0.0, f64::max);
-    let heights: Vec<usize> = entries.iter().map(|e| e.lines.len().max(1)).collect();
+    let height = |entry: &Entry| (entry.lines.len().max(1) as f64 + SEPARATION) * LINE;
 
     let most = ((limit + 2.0 * GAP) / (column_width + 2.0 * GAP)).floor();
     let count = (1..=entries.len()).take_while(|count| *count as f64 <= most);
     let count = count.last().unwrap_or(1);
-    let target = heights.iter().sum::<usize>().div_ceil(count);
+    let target = entries.iter().map(height).sum::<f64>() / count as f64;
 
     let mut canvas = Canvas::default();
-    let (mut column, mut row) = (0, 0);
-    for (entry, height) in entries.iter().zip(heights) {
-        if row > 0 && row + height > target && column + 1 < count {
+    let (mut column, mut top) = (0, 0.0);
+    for entry in entries {
+        if top >= target && column + 1 < count {
             column += 1;
-            row = 0;
+            top = 0.0;
         }
         let x = column as f64 * (column_width + 2.0 * GAP);
-        let base = |row: usize| (row as f64 * LINE + 0.8) * LABEL_FONT;
-        canvas.write(x, base(row), true, &entry.key);
+        let base = |line: usize| (top + line as f64 * LINE + 0.8) * LABEL_FONT;
+        canvas.write(x, base(0), true, &entry.key);
         for (index, line) in entry.lines.iter().enumerate() {
-            canvas.write(x + key_width, base(row + index), false, line);
+            canvas.write(x + key_width, base(index), false, line);
         }
-        row += height;
+        top += height(entry);
     }
     canvas
 }

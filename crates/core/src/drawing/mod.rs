@@ -5,7 +5,9 @@ pub mod dot;
 mod layered;
 pub mod layers;
 mod legend;
+mod outline;
 pub mod svg;
+mod table;
 mod text;
 
 /// States and edges with their labels, independent of the output format.

@@ -5,7 +5,8 @@
 use super::canvas::{Canvas, MARGIN, REGION, STATE_FONT, Shape};
 use super::layers::Point;
 use super::legend::{columns, with_keys};
-use super::{Graph, Region, layered, text};
+use super::outline::Outline;
+use super::{Graph, Region, layered, table, text};
 
 /// Maximum width of a picture in SVG units.
 const PAGE_WIDTH: f64 = 1600.0;
@@ -13,13 +14,17 @@ const PAGE_WIDTH: f64 = 1600.0;
 /// Distance between regions, and padding inside a region, in SVG units.
 const GAP: f64 = 12.0;
 
+/// Maximum number of states in a drawing in layers; more are a wall that nobody reads.
+const MAX_STATES: usize = 60;
+
 /// Maximum number of characters in a line of a narrow label.
 const NARROW: usize = 24;
 
 /// Maximum number of characters in a line of the title of a region.
 const TITLE: usize = 60;
 
-/// Draws a graph and returns the SVG document.
+/// Draws a graph and returns the SVG document, which is at most 1,600 units wide. Takes at most some
+/// seconds: graphs that are too large for a drawing in layers become outlines or tables.
 pub fn render(name: &str, graph: &Graph) -> String {
     picture(graph, PAGE_WIDTH - 2.0 * MARGIN).document(name)
 }
@@ -70,30 +75,52 @@ fn framed(region: &Region, limit: f64) -> Canvas {
 
 /// Draws a graph within a width in SVG units.
 fn picture(graph: &Graph, limit: f64) -> Canvas {
-    in_layers(graph, limit).unwrap_or_else(|| layered::draw(graph, limit))
+    let reason = match in_layers(graph, limit) {
+        Ok(canvas) => return canvas,
+        Err(reason) => reason,
+    };
+    let outline = Outline::new(graph);
+    if outline.is_useful(graph)
+        && let Ok(drawn) = in_layers(&outline.graph, limit)
+    {
+        let mut canvas = Canvas::default();
+        let shown = outline.caption(graph);
+        table::caption(&mut canvas, &format!("{shown}: {reason}"));
+        canvas.add_below(GAP, drawn);
+        return canvas;
+    }
+    table::draw(graph, &outline, &reason, limit)
 }
 
 /// Draws a graph in layers, if its labels can be made narrow enough for the width.
-fn in_layers(graph: &Graph, limit: f64) -> Option<Canvas> {
+///
+/// # Errors
+/// Why it is not drawn.
+fn in_layers(graph: &Graph, limit: f64) -> Result<Canvas, String> {
+    if graph.states.len() > MAX_STATES {
+        return Err(format!("more than {MAX_STATES} states are not drawn"));
+    }
     let fits = |canvas: &Canvas| canvas.size.width <= limit;
     let whole = layered::draw(graph, limit);
     if fits(&whole) {
-        return Some(whole);
+        return Ok(whole);
     }
     let narrow = narrow(graph);
     let drawn = layered::draw(&narrow, limit);
     if fits(&drawn) {
-        return Some(drawn);
+        return Ok(drawn);
     }
     // The legend has room for the original lines of the labels.
     let (mut keyed, legend) = with_keys(graph);
     keyed.states = narrow.states;
     let mut drawn = layered::draw(&keyed, limit);
-    if !fits(&drawn) {
-        return None;
+    if fits(&drawn) {
+        drawn.add_below(2.0 * GAP, columns(&legend, limit));
     }
-    drawn.add_below(2.0 * GAP, columns(&legend, limit));
-    fits(&drawn).then_some(drawn)
+    if fits(&drawn) {
+        return Ok(drawn);
+    }
+    Err("the drawing of all of them would be too wide".to_owned())
 }
 
 /// Wraps the lines of all labels.
@@ -114,6 +141,7 @@ mod tests {
     use super::super::canvas::{Anchor, Text};
     use super::super::layers::Size;
     use super::*;
+    use proptest::prelude::*;
 
     const LIMIT: f64 = PAGE_WIDTH - 2.0 * MARGIN;
 
@@ -251,5 +279,104 @@ mod tests {
         assert_eq!(faults(&canvas), [""; 0]);
         let svg = render_regions("Rules", &[0, 1, 2, 3].map(region));
         assert!(svg.contains("Rule 3"));
+    }
+
+    #[test]
+    fn many_states_become_groups_of_equal_outputs() {
+        let canvas = picture(&ring(69, 0, 1, 4), LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let texts = texts(&canvas);
+        assert_eq!(
+            texts[0],
+            "69 states in 4 groups of equal outputs: more than 60 states are not drawn"
+        );
+        assert!(texts.contains(&"18 states"));
+        assert!(texts.contains(&"S1, S5, S9, S13, S17, S21, S25, S29, S33, ..."));
+        assert!(texts.contains(&"18 edges"));
+    }
+
+    #[test]
+    fn many_groups_become_a_table_and_a_matrix() {
+        let canvas = picture(&ring(90, 1, 2, 90), LIMIT);
+        assert!(canvas.size.width <= LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let texts = texts(&canvas);
+        assert!(texts.contains(&"speed = 89, !turning"));
+        let count = |text: &str| texts.iter().filter(|t| **t == text).count();
+        // In the table, once as a column, and as a row of two blocks.
+        assert_eq!(count("S44"), 4);
+        // The last of 181 labels, in its cell and in the legend.
+        assert_eq!(count("fy"), 2);
+    }
+
+    #[test]
+    fn parallel_edges_are_counted_in_the_matrix() {
+        let mut graph = ring(61, 1, 1, 61);
+        graph.edges.extend(graph.edges.clone());
+        let canvas = picture(&graph, LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let twos = texts(&canvas).iter().filter(|text| **text == "2").count();
+        assert_eq!(twos, 1 + 2 * 61);
+    }
+
+    #[test]
+    fn a_matrix_that_would_be_too_large_is_left_out_with_the_reason() {
+        let canvas = picture(&ring(1000, 1, 1, 300), LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let reason = "There is no matrix of the edges, because there are more than 200 states.";
+        assert!(texts(&canvas).contains(&reason));
+    }
+
+    #[test]
+    fn long_names_have_numbers_in_the_matrix() {
+        let mut graph = ring(70, 1, 1, 70);
+        graph.states[7][0] = "W".repeat(300);
+        let canvas = picture(&graph, LIMIT);
+        assert!(canvas.size.width <= LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let texts = texts(&canvas);
+        assert!(texts.contains(&"#69") && texts.contains(&"#69 S69"));
+    }
+
+    #[test]
+    fn a_graph_without_states_is_an_empty_picture() {
+        let graph = Graph {
+            states: Vec::new(),
+            edges: Vec::new(),
+        };
+        assert_eq!(picture(&graph, LIMIT), Canvas::default());
+    }
+
+    /// Lines with short and long words.
+    fn any_lines() -> impl Strategy<Value = Vec<String>> {
+        prop::collection::vec("[a-zW!&|,<=]{1,12}( [a-z]{1,30}){0,4}", 0..4)
+    }
+
+    fn any_graph() -> impl Strategy<Value = Graph> {
+        prop::collection::vec(any_lines(), 1..20).prop_flat_map(|states| {
+            let count = states.len();
+            let edge = (prop::option::of(0..count), 0..count, any_lines());
+            let edge = edge.prop_map(|(from, to, label)| Edge { from, to, label });
+            let edges = prop::collection::vec(edge, 0..40);
+            edges.prop_map(move |edges| Graph {
+                states: states.clone(),
+                edges,
+            })
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn no_text_is_on_a_text_and_nothing_is_outside(graph in any_graph()) {
+            let canvas = picture(&graph, LIMIT);
+            prop_assert!(canvas.size.width <= LIMIT);
+            prop_assert_eq!(faults(&canvas), [""; 0]);
+            let outline = Outline::new(&graph);
+            let canvas = table::draw(&graph, &outline, "for a test", LIMIT);
+            prop_assert!(canvas.size.width <= LIMIT);
+            prop_assert_eq!(faults(&canvas), [""; 0]);
+        }
     }
 }
