@@ -133,6 +133,7 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
                 y: edge.y?,
             })
         });
+        let label = label.filter(|_| has_label);
         let points = found.map_or(&[][..], |edge| &edge.points);
         let points: Vec<Point> = points.iter().map(|p| Point { x: p.x, y: p.y }).collect();
         PlacedLink {
@@ -141,7 +142,7 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
             } else {
                 through_label(points, label, link.label, direction)
             },
-            label: label.filter(|_| has_label),
+            label,
         }
     });
     let mut placed_links: Vec<PlacedLink> = placed_links.collect();

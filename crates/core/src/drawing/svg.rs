@@ -17,14 +17,18 @@ const GAP: f64 = 12.0;
 /// Maximum number of states in a drawing in layers; more are a wall that nobody reads.
 const MAX_STATES: usize = 60;
 
+/// Maximum number of edges in a drawing in layers. The time of the placement grows faster than the
+/// square of their number.
+const MAX_EDGES: usize = 120;
+
 /// Maximum number of characters in a line of a narrow label.
 const NARROW: usize = 24;
 
 /// Maximum number of characters in a line of the title of a region.
 const TITLE: usize = 60;
 
-/// Draws a graph and returns the SVG document, which is at most 1,600 units wide. Takes at most some
-/// seconds: graphs that are too large for a drawing in layers become outlines or tables.
+/// Draws a graph and returns the SVG document, which is at most 1,600 units wide. Takes at most
+/// some seconds: graphs that are too large for a drawing in layers become outlines or tables.
 pub fn render(name: &str, graph: &Graph) -> String {
     picture(graph, PAGE_WIDTH - 2.0 * MARGIN).document(name)
 }
@@ -99,6 +103,9 @@ fn picture(graph: &Graph, limit: f64) -> Canvas {
 fn in_layers(graph: &Graph, limit: f64) -> Result<Canvas, String> {
     if graph.states.len() > MAX_STATES {
         return Err(format!("more than {MAX_STATES} states are not drawn"));
+    }
+    if graph.edges.len() > MAX_EDGES {
+        return Err(format!("more than {MAX_EDGES} edges are not drawn"));
     }
     let fits = |canvas: &Canvas| canvas.size.width <= limit;
     let whole = layered::draw(graph, limit);
@@ -209,8 +216,8 @@ mod tests {
         texts
     }
 
-    /// A ring of states in which each also has a loop and some chords, with labels of so many
-    /// lines.
+    /// A ring of states in which each state also has a loop and chords. `lines` is the number of
+    /// lines of each label, `groups` that of different outputs.
     fn ring(count: usize, chords: usize, lines: usize, groups: usize) -> Graph {
         let state = |s| vec![format!("S{s}"), format!("speed = {}, !turning", s % groups)];
         let edge = |from: usize, to: usize| {
@@ -378,5 +385,16 @@ mod tests {
             prop_assert!(canvas.size.width <= LIMIT);
             prop_assert_eq!(faults(&canvas), [""; 0]);
         }
+    }
+
+    #[test]
+    fn too_many_edges_are_not_drawn() {
+        let graph = ring(20, 6, 1, 20);
+        assert!(graph.edges.len() > MAX_EDGES);
+        assert!(in_layers(&graph, LIMIT).is_err());
+        let canvas = picture(&graph, LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let reason = "20 states in 20 groups of equal outputs: more than 120 edges are not drawn";
+        assert_eq!(texts(&canvas)[0], reason);
     }
 }

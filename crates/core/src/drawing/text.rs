@@ -91,7 +91,7 @@ fn broken(line: &str, limit: usize) -> Vec<String> {
     result
 }
 
-/// Cuts a word into pieces of at most so many characters.
+/// Cuts a word into pieces with a maximum number of characters.
 fn cut(word: &str, limit: usize) -> Vec<String> {
     let characters: Vec<char> = word.chars().collect();
     characters.chunks(limit).map(String::from_iter).collect()
