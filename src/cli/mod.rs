@@ -19,6 +19,7 @@ pub mod interrupt;
 pub mod options;
 pub mod order;
 pub mod outline;
+pub mod page;
 pub mod picked;
 pub mod profiles;
 pub mod proof;

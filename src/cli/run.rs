@@ -25,7 +25,7 @@ use crate::line::batches::{MAX_BATCHES, MIN_BATCHES};
 use crate::line::comparison::compare;
 use crate::line::log::Observers;
 use crate::line::{Count, Observer, Options};
-use crate::report::html::Recorder;
+use crate::report::html::run::Recorder;
 use crate::report::{self, Intervals};
 use clap::Args;
 use progress::RunProgress;

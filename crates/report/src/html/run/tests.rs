@@ -2,12 +2,13 @@
 
 use super::data::tests::Columns;
 use super::*;
+use linewright_core::source::SourceMap;
 use linewright_language::contract::load;
 use linewright_line::log::{EventKind, Log, Observer, Observers};
 use linewright_line::{Options, Plant};
 use std::sync::Arc;
 
-const BOTTLING: &str = include_str!("../../../../examples/bottling/line.lw");
+const BOTTLING: &str = include_str!("../../../../../examples/bottling/line.lw");
 
 const CONVEYORS: &str = "line Conveyors {
     part A
@@ -75,11 +76,13 @@ impl Recorded {
             intervals: None,
             recorder: &self.recorder,
             comparison: None,
-            sources: &self.sources,
             set: &NO_NUMBERS,
-            command: "linewright run line.lw",
-            version: "0",
-            findings: &self.trace.findings,
+            origin: Origin {
+                command: "linewright run line.lw",
+                version: "0",
+                sources: &self.sources,
+                findings: &self.trace.findings,
+            },
         }
     }
 

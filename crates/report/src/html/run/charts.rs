@@ -2,8 +2,8 @@
 //!
 //! Colours and patterns are classes of the style sheet, so that they follow the reader's scheme.
 
-use super::numbers::{count, figure, marks, time_marks};
 use super::series::{Columns, Curve};
+use crate::html::numbers::{count, figure, marks, time_marks};
 use maud::{Markup, PreEscaped, html};
 use std::fmt::Write as _;
 

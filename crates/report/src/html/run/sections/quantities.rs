@@ -1,11 +1,12 @@
 //! Work in progress, lead times, energy, and flow.
 
 use super::super::charts::{Bar, Piece};
-use super::super::numbers::{count, figure, percent};
 use super::super::picture::{Picture, word};
 use super::super::series::Curve;
 use super::super::{Page, charts, state_class};
-use super::{STATES, behind, first, legend, section, table};
+use super::{STATES, first, legend};
+use crate::html::numbers::{count, figure, percent};
+use crate::html::parts::{behind, section, table};
 use linewright_language::contract::line::NodeKind;
 use linewright_line::log::Activity;
 use linewright_line::metric::JOULES_PER_KWH;

@@ -1,17 +1,13 @@
 //! Violations, and what is needed to make the run again.
 
 use super::super::Page;
-use super::super::numbers::count;
-use super::{first, section, table};
-use anstream::adapter::strip_str;
-use linewright_core::diagnostics::render;
+use super::first;
+use crate::html::numbers::count;
+use crate::html::parts::{origin, section, table, table_of};
 use linewright_core::gr1::Formula;
-use linewright_core::source::SourceMap;
 use linewright_line::Trace;
 use linewright_line::trace::{Violation, duration};
 use maud::{Markup, html};
-use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 
 /// Number of violations that the table shows.
 const SHOWN_VIOLATIONS: usize = 200;
@@ -39,7 +35,7 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
             (count(trace.violation_count)) " violations of contracts, by place and rule."
             @if is_cut { " The tables have the first " (count(trace.violations.len() as u64)) "." }
         }
-        (violation_table(&["First", "Last", "Number", "Place", "Rule", "What happened first"], &html! {
+        (table_of("Table of violations", &["First", "Last", "Number", "Place", "Rule", "What happened first"], &html! {
             @for (first, number, last) in &kinds { tr {
                 th scope="row" { (jump(first.time)) }
                 td { (jump(*last)) }
@@ -51,7 +47,7 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
         }))
         details {
             summary { "Show the first " (shown) }
-            (violation_table(&["Time", "Place", "Part", "What happened"], &html! {
+            (table_of("Table of violations", &["Time", "Place", "Part", "What happened"], &html! {
                 @for violation in &trace.violations[..shown] { tr {
                     th scope="row" { (jump(violation.time)) }
                     td { (page.line.nodes[violation.node].name) }
@@ -62,17 +58,6 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
         }
     };
     section("violations", "Violations", &inside)
-}
-
-fn violation_table(headings: &[&str], rows: &Markup) -> Markup {
-    html! {
-        div.scroll tabindex="0" role="group" aria-label="Table of violations" {
-            table {
-                thead { tr { @for heading in headings { th scope="col" { (heading) } } } }
-                tbody { (rows) }
-            }
-        }
-    }
 }
 
 /// A button that goes to a moment of the run.
@@ -107,55 +92,28 @@ fn rule_line(page: &Page<'_>, violation: &Violation) -> Option<(String, String)>
         formulas.extend(of.specification.guarantees.all());
     }
     let formula = formulas.into_iter().find(|formula| formula.name == name)?;
-    let file = &page.sources.file(formula.span.file).name;
-    let line = page.sources.start(formula.span).line;
+    let file = &page.origin.sources.file(formula.span.file).name;
+    let line = page.origin.sources.start(formula.span).line;
     Some((format!("{file}:{line}"), formula.text.clone()))
 }
 
 pub(super) fn model(page: &Page<'_>) -> Markup {
+    let set = page.set.iter();
+    let set: Vec<_> = set
+        .map(|(name, value)| vec![(*name).to_owned(), (*value).to_owned()])
+        .collect();
     let inside = html! {
-        p { "This run can be made again:" }
-        pre tabindex="0" { code { (page.command) } }
-        (table(&["What", "Value"], &[
-            vec!["Version".to_owned(), format!("linewright {}", page.version)],
-            vec!["Random seeds".to_owned(), seeds(page.traces)],
-            vec!["Hash of the files (SHA-256)".to_owned(), hash(page.sources)],
-        ]))
-        @if !page.set.is_empty() {
+        @if !set.is_empty() {
             h3 { "Numbers that were set" }
-            (table(&["Name", "Value"], &page.set.iter().map(|(name, value)| vec![(*name).to_owned(), (*value).to_owned()]).collect::<Vec<_>>()))
-        }
-        @if !page.findings.is_empty() {
-            h3 { "Findings" }
-            pre tabindex="0" { (strip_str(&render::human(page.sources, page.findings))) }
-        }
-        h3 { "Files" }
-        @for (_, file) in page.sources.files() {
-            details {
-                summary { (file.name) }
-                pre tabindex="0" { code { (&*file.text) } }
-            }
+            (table(&["Name", "Value"], &set))
         }
     };
-    section("model", "The model", &inside)
-}
-
-/// SHA-256 of the names and texts of all files, in hexadecimal digits.
-fn hash(sources: &SourceMap) -> String {
-    let mut hash = Sha256::new();
-    for (_, file) in sources.files() {
-        // The lengths keep a name from running into a text.
-        hash.update((file.name.len() as u64).to_le_bytes());
-        hash.update(&file.name);
-        hash.update((file.text.len() as u64).to_le_bytes());
-        hash.update(file.text.as_bytes());
-    }
-    let digest = hash.finalize();
-    digest.iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    origin(
+        "The model",
+        &page.origin,
+        &[("Random seeds", seeds(page.traces))],
+        &inside,
+    )
 }
 
 fn seeds(traces: &[Trace]) -> String {

@@ -48,47 +48,6 @@ pub(super) fn all(page: &Page<'_>, picture: &Picture) -> Markup {
     }
 }
 
-/// A section with its heading.
-fn section(id: &str, heading: &str, inside: &Markup) -> Markup {
-    html! {
-        section id=(id) aria-labelledby=(format!("{id}-heading")) {
-            h2 id=(format!("{id}-heading")) { (heading) }
-            (inside)
-        }
-    }
-}
-
-/// A table behind a chart.
-fn behind(headings: &[&str], rows: &[Vec<String>]) -> Markup {
-    html! {
-        details {
-            summary { "Show as a table" }
-            (table(headings, rows))
-        }
-    }
-}
-
-/// A table. The first column names the rows; others that hold numbers are aligned on the right.
-fn table(headings: &[&str], rows: &[Vec<String>]) -> Markup {
-    let is_number = |column: usize| {
-        let mut cells = rows.iter().filter_map(|row| row.get(column));
-        cells.all(|cell| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
-    };
-    let class = |column: usize| (column > 0 && is_number(column)).then_some("number");
-    html! {
-        div.scroll tabindex="0" role="group" aria-label="Table" {
-            table {
-                thead { tr { @for (column, heading) in headings.iter().enumerate() {
-                    th scope="col" class=[class(column)] { (heading) }
-                } } }
-                tbody { @for row in rows { tr { @for (column, cell) in row.iter().enumerate() {
-                    @if column == 0 { th scope="row" { (cell) } } @else { td class=[class(column)] { (cell) } }
-                } } } }
-            }
-        }
-    }
-}
-
 fn first<'a>(page: &Page<'a>) -> &'a Trace {
     &page.traces[0]
 }

@@ -1,10 +1,11 @@
 //! Head of a page, figures, and requirements.
 
 use super::super::Page;
-use super::super::numbers::{count, figure, percent};
+use super::first;
 use super::intervals::{estimate, interval};
-use super::{first, section, table};
 use crate::Intervals;
+use crate::html::numbers::{count, figure, percent};
+use crate::html::parts::{links, section, table, tile};
 use crate::table::{bottleneck, required};
 use linewright_language::contract::line::declared_name;
 use linewright_language::contract::metric::Measure;
@@ -15,7 +16,7 @@ use maud::{Markup, html};
 
 pub(super) fn header(page: &Page<'_>) -> Markup {
     let trace = first(page);
-    let links = [
+    let sections = [
         ("line-section", "Line", true),
         (
             "requirements",
@@ -43,9 +44,7 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
                 @if trace.warm_up > 0.0 { "; the first " (duration(trace.warm_up)) " are the warm-up and do not count" }
                 ". " (ending(trace.end))
             }
-            nav aria-label="Sections" { @for (id, name, is_there) in links { @if is_there {
-                a href=(format!("#{id}")) { (name) }
-            } } }
+            (links(sections.into_iter().filter(|(.., is_there)| *is_there).map(|(id, name, _)| (id, name))))
         }
     }
 }
@@ -57,12 +56,6 @@ fn ending(end: End) -> &'static str {
         End::Blocked => "The run ended early: the line can no longer advance.",
         End::PartLost => "The run ended early: a conveyor lost a part.",
         End::GaveUp => "The run was cut off at the time limit.",
-    }
-}
-
-fn tile(name: &str, value: &str, note: &str) -> Markup {
-    html! {
-        div.tile { dt { (name) } dd { (value) } dd.note { (note) } }
     }
 }
 
@@ -151,13 +144,13 @@ fn bottleneck_oee(trace: &Trace) -> Option<(&str, Oee)> {
 
 /// What the run found, in short. The whole findings are with the model.
 fn warnings(page: &Page<'_>) -> Markup {
-    if page.findings.is_empty() {
+    if page.origin.findings.is_empty() {
         return html! {};
     }
     html! {
         div.warnings role="note" {
             p { strong { "Findings" } " (in full " a href="#model" { "with the model" } "):" }
-            ul { @for finding in page.findings { li { (finding.severity.word()) " " (finding.code.id) ": " (finding.message) } } }
+            ul { @for finding in page.origin.findings { li { (finding.severity.word()) " " (finding.code.id) ": " (finding.message) } } }
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Confidence intervals of replications and batches, and the comparison with a variant.
 
 use super::super::charts::{Range, signed};
-use super::super::numbers::figure;
 use super::super::{Page, charts};
+use super::first;
 use super::operation::shares;
-use super::{behind, first, section, table};
+use crate::html::numbers::figure;
+use crate::html::parts::{behind, section, table};
 use crate::{Intervals, Variant};
 use linewright_language::contract::metric::Measure;
 use linewright_line::trace::End;

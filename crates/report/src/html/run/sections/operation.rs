@@ -1,10 +1,11 @@
 //! What the stations do: the picture that plays the run, shares of states, and the timeline.
 
 use super::super::charts::{Bar, Piece};
-use super::super::numbers::{count, percent};
 use super::super::picture::Picture;
 use super::super::{Page, charts, state_class};
-use super::{STATES, behind, first, legend, section, table};
+use super::{STATES, first, legend};
+use crate::html::numbers::{count, percent};
+use crate::html::parts::{behind, section, table};
 use crate::table::bottleneck;
 use linewright_line::trace::{StationStatistics, WaitKind, duration};
 use maud::{Markup, html};

@@ -1,0 +1,152 @@
+//! What pages have in common: sections, tables, tiles, pictures, and where a result comes from.
+
+use anstream::adapter::strip_str;
+use base64::Engine as _;
+use linewright_core::diagnostics::{Diagnostic, render};
+use linewright_core::source::SourceMap;
+use maud::{Markup, html};
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+
+/// A section with its heading.
+pub fn section(id: &str, heading: &str, inside: &Markup) -> Markup {
+    html! {
+        section id=(id) aria-labelledby=(format!("{id}-heading")) {
+            h2 id=(format!("{id}-heading")) { (heading) }
+            (inside)
+        }
+    }
+}
+
+/// Links to the sections: id and name of each.
+pub fn links<'a>(sections: impl IntoIterator<Item = (&'a str, &'a str)>) -> Markup {
+    html! {
+        nav aria-label="Sections" { @for (id, name) in sections {
+            a href=(format!("#{id}")) { (name) }
+        } }
+    }
+}
+
+/// A figure with its name and a note.
+pub fn tile(name: &str, value: &str, note: &str) -> Markup {
+    html! {
+        div.tile { dt { (name) } dd { (value) } dd.note { (note) } }
+    }
+}
+
+/// A table that is shown on demand, such as the one behind a chart.
+pub fn behind(headings: &[&str], rows: &[Vec<String>]) -> Markup {
+    html! {
+        details {
+            summary { "Show as a table" }
+            (table(headings, rows))
+        }
+    }
+}
+
+/// A table. The first column names the rows; others that hold numbers are aligned on the right.
+pub fn table(headings: &[&str], rows: &[Vec<String>]) -> Markup {
+    let is_number = |column: usize| {
+        let mut cells = rows.iter().filter_map(|row| row.get(column));
+        cells.all(|cell| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
+    };
+    let class = |column: usize| (column > 0 && is_number(column)).then_some("number");
+    html! {
+        div.scroll tabindex="0" role="group" aria-label="Table" {
+            table {
+                thead { tr { @for (column, heading) in headings.iter().enumerate() {
+                    th scope="col" class=[class(column)] { (heading) }
+                } } }
+                tbody { @for row in rows { tr { @for (column, cell) in row.iter().enumerate() {
+                    @if column == 0 { th scope="row" { (cell) } } @else { td class=[class(column)] { (cell) } }
+                } } } }
+            }
+        }
+    }
+}
+
+/// A table whose rows are given as elements.
+pub fn table_of(label: &str, headings: &[&str], rows: &Markup) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="group" aria-label=(label) {
+            table {
+                thead { tr { @for heading in headings { th scope="col" { (heading) } } } }
+                tbody { (rows) }
+            }
+        }
+    }
+}
+
+/// A drawing that is an SVG document, with a text for those who do not see it. It is not larger
+/// than it was drawn, and can be scrolled if the page is narrow.
+pub fn drawing(svg: &str, text: &str) -> Markup {
+    let encoded = base64::engine::general_purpose::STANDARD.encode(svg);
+    html! {
+        div.scroll.drawing tabindex="0" role="group" aria-label="Drawing" {
+            img src=(format!("data:image/svg+xml;base64,{encoded}")) alt=(text);
+        }
+    }
+}
+
+/// Where a result comes from, so that it can be had again.
+#[derive(Debug, Clone, Copy)]
+pub struct Origin<'a> {
+    /// Command that makes the result again.
+    pub command: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// All files that were read.
+    pub sources: &'a SourceMap,
+    /// The findings.
+    pub findings: &'a [Diagnostic],
+}
+
+/// The section that tells how to get the result again: the command, the version, a hash, further
+/// values by name, more elements, the findings, and the text of all files.
+pub fn origin(heading: &str, of: &Origin<'_>, more: &[(&str, String)], inside: &Markup) -> Markup {
+    let row = |name: &str, value: String| vec![name.to_owned(), value];
+    let mut rows = vec![row("Version", format!("linewright {}", of.version))];
+    rows.extend(more.iter().map(|(name, value)| row(name, value.clone())));
+    rows.push(row("Hash of the files (SHA-256)", hash(of.sources)));
+    let inside = html! {
+        p { "The command that gives this result:" }
+        pre tabindex="0" { code { (of.command) } }
+        (table(&["What", "Value"], &rows))
+        (inside)
+        @if !of.findings.is_empty() {
+            h3 { "Findings" }
+            (findings(of.sources, of.findings))
+        }
+        h3 { "Files" }
+        @for (_, file) in of.sources.files() {
+            details {
+                summary { (file.name) }
+                pre tabindex="0" { code { (&*file.text) } }
+            }
+        }
+    };
+    section("model", heading, &inside)
+}
+
+/// Findings as on a terminal, with the lines that they are about.
+pub fn findings(sources: &SourceMap, findings: &[Diagnostic]) -> Markup {
+    html! { pre tabindex="0" { (strip_str(&render::human(sources, findings))) } }
+}
+
+/// SHA-256 of the names and texts of all files, in hexadecimal digits.
+fn hash(sources: &SourceMap) -> String {
+    let mut hash = Sha256::new();
+    for (_, file) in sources.files() {
+        // The lengths keep a name from running into a text.
+        hash.update((file.name.len() as u64).to_le_bytes());
+        hash.update(&file.name);
+        hash.update((file.text.len() as u64).to_le_bytes());
+        hash.update(file.text.as_bytes());
+    }
+    let digest = hash.finalize();
+    digest.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
