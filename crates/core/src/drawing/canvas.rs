@@ -50,6 +50,8 @@ pub(super) struct Text {
 pub(super) enum Shape {
     /// A rectangle, with its upper left corner.
     Rectangle(Point, Size, &'static str),
+    /// Straight lines between points.
+    Line(Vec<Point>, &'static str),
     /// The smooth curve of an arrow along these points.
     Arrow(Vec<Point>),
     /// The dot from which the edges to the initial states begin.
@@ -118,6 +120,9 @@ impl Canvas {
                 Shape::Rectangle(corner, size, style) => {
                     Shape::Rectangle(moved(corner), size, style)
                 }
+                Shape::Line(points, style) => {
+                    Shape::Line(points.into_iter().map(moved).collect(), style)
+                }
                 Shape::Arrow(points) => Shape::Arrow(points.into_iter().map(moved).collect()),
                 Shape::Dot(center) => Shape::Dot(moved(center)),
                 Shape::Text(text) => Shape::Text(Text {
@@ -143,10 +148,10 @@ impl Canvas {
         let height = self.size.height + 2.0 * MARGIN;
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"-{MARGIN} -{MARGIN} {width:.0} {height:.0}\">\n<title>{}</title>\n\
+             viewBox=\"-{MARGIN} -{MARGIN} {width:.0} {height:.0}\" \
+             font-family=\"Helvetica, Arial, sans-serif\" text-anchor=\"middle\">\n<title>{}</title>\n\
              <defs><marker id=\"head\" markerWidth=\"9\" markerHeight=\"7\" refX=\"9\" refY=\"3.5\" orient=\"auto\">\
              <polygon points=\"0 0, 9 3.5, 0 7\" fill=\"dimgray\"/></marker></defs>\n\
-             <style>text {{ font-family: Helvetica, Arial, sans-serif; text-anchor: middle }}</style>\n\
              <rect x=\"-{MARGIN}\" y=\"-{MARGIN}\" width=\"{width:.0}\" height=\"{height:.0}\" fill=\"white\"/>\n",
             escape(title),
         );
@@ -165,6 +170,11 @@ fn write_shape(output: &mut String, shape: &Shape) {
             output,
             "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>"
         ),
+        Shape::Line(points, style) => {
+            let points = points.iter().map(|Point { x, y }| format!("{x:.1},{y:.1}"));
+            let points = points.collect::<Vec<_>>().join(" ");
+            writeln!(output, "<polyline points=\"{points}\" {style}/>")
+        }
         Shape::Arrow(points) => writeln!(
             output,
             "<path d=\"{}\" fill=\"none\" stroke=\"dimgray\" marker-end=\"url(#head)\"/>",
@@ -175,7 +185,7 @@ fn write_shape(output: &mut String, shape: &Shape) {
         }
         Shape::Text(text) => {
             let anchor = match text.anchor {
-                Anchor::Start => " style=\"text-anchor: start\"",
+                Anchor::Start => " text-anchor=\"start\"",
                 Anchor::Middle => "",
             };
             let weight = if text.is_bold {

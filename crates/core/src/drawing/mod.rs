@@ -9,6 +9,7 @@ mod outline;
 pub mod svg;
 mod table;
 mod text;
+pub mod timing;
 
 /// States and edges with their labels, independent of the output format.
 #[derive(Debug, Clone, PartialEq, Eq)]

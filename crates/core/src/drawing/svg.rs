@@ -9,7 +9,7 @@ use super::outline::Outline;
 use super::{Graph, Region, layered, table, text};
 
 /// Maximum width of a picture in SVG units.
-const PAGE_WIDTH: f64 = 1600.0;
+pub(super) const PAGE_WIDTH: f64 = 1600.0;
 
 /// Distance between regions, and padding inside a region, in SVG units.
 const GAP: f64 = 12.0;
@@ -143,7 +143,7 @@ fn narrow(graph: &Graph) -> Graph {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::Edge;
     use super::super::canvas::{Anchor, Text};
     use super::super::layers::Size;
@@ -164,7 +164,7 @@ mod tests {
     }
 
     /// Returns what is wrong with a picture: a text on another one, something outside.
-    fn faults(canvas: &Canvas) -> Vec<String> {
+    pub fn faults(canvas: &Canvas) -> Vec<String> {
         let Size { width, height } = canvas.size;
         let is_in =
             |at: Point| at.x > -0.1 && at.y > -0.1 && at.x < width + 0.1 && at.y < height + 0.1;
@@ -186,7 +186,7 @@ mod tests {
                     let y = corner.y + size.height;
                     is_in(*corner) && is_in(Point { x, y })
                 }
-                Shape::Arrow(points) => points.iter().all(|at| is_in(*at)),
+                Shape::Line(points, _) | Shape::Arrow(points) => points.iter().all(|at| is_in(*at)),
                 Shape::Dot(at) => is_in(*at),
             };
             if !is_inside {
@@ -206,7 +206,7 @@ mod tests {
         faults
     }
 
-    fn texts(canvas: &Canvas) -> Vec<&str> {
+    pub fn texts(canvas: &Canvas) -> Vec<&str> {
         let mut texts = Vec::new();
         for shape in &canvas.shapes {
             if let Shape::Text(text) = shape {
