@@ -1,8 +1,56 @@
 //! Pages of HTML that commands write.
 
+use super::console::Console;
+use super::exit::ExitCode;
 use crate::diagnostics::Diagnostic;
+use crate::engine::output::PendingFile;
 use crate::report::html::parts::Origin;
 use crate::source::SourceMap;
+use std::collections::BTreeSet;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// The file of a page, which is written when the command has its result.
+#[derive(Debug)]
+pub struct PageFile {
+    path: PathBuf,
+    file: PendingFile,
+}
+
+impl PageFile {
+    /// Begins the file, if one is wanted, so that a file that cannot be written ends the command
+    /// before the work.
+    ///
+    /// # Errors
+    /// LW504, as for [`PendingFile::new`].
+    pub fn new(
+        path: Option<&Path>,
+        sources: &BTreeSet<PathBuf>,
+    ) -> Result<Option<Self>, Box<Diagnostic>> {
+        let Some(path) = path else { return Ok(None) };
+        let file = PendingFile::new(path, sources)?;
+        Ok(Some(Self {
+            path: path.to_owned(),
+            file,
+        }))
+    }
+
+    /// Writes the page and says so; if that fails, prints the finding.
+    pub fn write(
+        self,
+        text: &str,
+        console: Console,
+        sources: &SourceMap,
+    ) -> anyhow::Result<ExitCode> {
+        let written = self.file.file().write_all(text.as_bytes());
+        if let Err(finding) = self.file.keep(written) {
+            console.findings(sources, &[*finding])?;
+            return Ok(ExitCode::CannotRun);
+        }
+        console.remark(&format!("wrote {}\n", self.path.display()))?;
+        Ok(ExitCode::Success)
+    }
+}
 
 /// Where a page comes from: this command, with the files that it read and what it found.
 pub fn origin<'a>(

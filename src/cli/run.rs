@@ -9,6 +9,7 @@ mod what_if;
 use super::build::default_folder;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use super::page::PageFile;
 use super::select::Selection;
 use super::time;
 use crate::contract::line::Line;
@@ -16,7 +17,6 @@ use crate::contract::machine::Machine;
 use crate::contract::set::Setting;
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::files::LoadedFiles;
-use crate::engine::output::PendingFile;
 use crate::engine::simulation::{self, Run, SimulationOptions};
 use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
@@ -178,7 +178,7 @@ struct Simulated {
     findings: Vec<Diagnostic>,
     /// What a report shows of the first run, and its file, if one is wanted.
     recorder: Option<Recorder>,
-    page_file: Option<PendingFile>,
+    page_file: Option<PageFile>,
 }
 
 /// Runs the command.
@@ -267,14 +267,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
-    if let (Some(path), Some(file)) = (&arguments.report, page_file) {
-        match page::write(file, arguments, &base, several, compared.as_ref()) {
-            Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
-            Err(finding) => {
-                console.findings(sources, &[*finding])?;
-                code = code.and(ExitCode::CannotRun);
-            }
-        }
+    if let Some(file) = page_file
+        && let Some(text) = page::page(arguments, &base, several, compared.as_ref())
+    {
+        code = code.and(file.write(&text, console, sources)?);
     }
     Ok(code)
 }
@@ -359,11 +355,10 @@ fn simulate(
     }
 
     let traces: &[TraceFile] = if is_observed { &arguments.trace } else { &[] };
-    let report = arguments.report.as_ref().filter(|_| is_observed);
-    let page_file = report.map(|path| PendingFile::new(path, &loaded.places));
+    let report = arguments.report.as_deref().filter(|_| is_observed);
     let (files, page_file) = match (
         TraceFiles::new(traces, &loaded.places),
-        page_file.transpose(),
+        PageFile::new(report, &loaded.places),
     ) {
         (Ok(files), Ok(page_file)) => (files, page_file),
         (files, page_file) => {

@@ -3,6 +3,7 @@
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::outline;
+use crate::contract::Contract;
 use crate::contract::set::{Setting, Settings};
 use crate::diagnostics::{codes, has_errors};
 use crate::engine::files::{self, LoadedFiles};
@@ -37,6 +38,19 @@ impl std::str::FromStr for Selection {
 }
 
 impl Selection {
+    /// The only contract among those that were picked.
+    ///
+    /// # Errors
+    /// There are several. The message begins with `why` only one is possible, and names them.
+    pub fn only<'c>(&self, picked: &[&'c Contract], why: &str) -> anyhow::Result<&'c Contract> {
+        if let [contract] = picked {
+            return Ok(contract);
+        }
+        let names: Vec<&str> = picked.iter().map(|c| c.name.as_str()).collect();
+        let (path, names) = (&self.path, names.join(", "));
+        anyhow::bail!("{why}: write `{path}::NAME`, where NAME is one of {names}")
+    }
+
     /// Loads the files; if they have errors, prints all findings and returns the command's exit
     /// code.
     pub fn load(

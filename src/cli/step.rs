@@ -4,6 +4,7 @@ use super::console::Console;
 use super::exit::ExitCode;
 use super::interrupt;
 use super::options::{Format, GlobalOptions};
+use super::page::{self, PageFile};
 use super::select::Selection;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, codes};
@@ -15,6 +16,7 @@ use crate::game::{self, GuaranteeRef, Limits};
 use crate::gr1::{FormulaKind, Specification};
 use crate::mealy::{counter, verify::verify_counterstrategy};
 use crate::play::{Effect, Opponent, Session};
+use crate::report::html::session;
 use anyhow::Context as _;
 use clap::Args;
 use std::collections::BTreeSet;
@@ -26,8 +28,9 @@ const MAX_NESTED: usize = 8;
 
 /// The arguments of `step`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
     linewright step contracts/handling/turn.lw --script examples/step/turn.txt
+    linewright step contracts/handling/turn.lw --script examples/step/turn.txt --html turn.html
 
 Without a script, commands are read from the terminal or a pipe; `help` lists them. If the \
 contract is realizable, you play the plant against its verified controller. Otherwise you play \
@@ -42,6 +45,10 @@ pub struct Arguments {
     /// Run the commands in this file, one per line
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
+    /// Save the play as one HTML file when it ends: a timing diagram, and all commands with their
+    /// answers
+    #[arg(long, value_name = "FILE")]
+    pub html: Option<PathBuf>,
     /// Random seed of the command `random`
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -61,12 +68,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .pick(&loaded, "contract", &library.contracts, |c| {
             (&c.name, c.span)
         })?;
-    let [contract] = picked.as_slice() else {
-        let names: Vec<&str> = picked.iter().map(|c| c.name.as_str()).collect();
-        let (path, names) = (&arguments.selection.path, names.join(", "));
-        anyhow::bail!(
-            "only one contract can be played at a time: write `{path}::NAME`, where NAME is one of {names}"
-        );
+    let selection = &arguments.selection;
+    let contract = selection.only(&picked, "only one contract can be played at a time")?;
+    let page_file = match PageFile::new(arguments.html.as_deref(), &loaded.places) {
+        Ok(file) => file,
+        Err(finding) => {
+            let found = [*finding];
+            console.failed("step", &library.sources, &found)?;
+            return Ok(options.exit_code(&found));
+        }
     };
     // An unreadable script ends the command before anything is solved.
     let script = match &arguments.script {
@@ -114,34 +124,23 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         console,
         mistakes: 0,
         is_read: true,
+        commands: Vec::new(),
     };
-    if console.format == Format::Json {
-        console.line(&terminal.session.opening_line())?;
-    } else {
-        terminal.print(&terminal.session.opening())?;
+    let mut code = terminal.play(script.as_deref(), arguments)?;
+    if let Some(file) = page_file {
+        let command = page::command();
+        let over = terminal.session.over();
+        let text = session::page(&session::Page {
+            contract,
+            person: terminal.session.person(),
+            steps: terminal.session.steps(),
+            commands: &terminal.commands,
+            over: over.as_deref(),
+            origin: page::origin(&command, &library.sources, &loaded.findings),
+        });
+        code = code.and(file.write(&text, console, &library.sources)?);
     }
-    match script {
-        Some(text) => {
-            let name = arguments.script.as_deref().unwrap_or(Path::new(""));
-            terminal.script(&text, &name.display().to_string(), 0)?;
-        }
-        None if std::io::stdin().is_terminal() => return terminal.interact(),
-        None => {
-            let mut number = 0;
-            for line in BufReader::new(std::io::stdin()).lines() {
-                number += 1;
-                let line = line.context("standard input cannot be read")?;
-                if !terminal.line(&line, &format!("line {number}"), 0)? {
-                    break;
-                }
-            }
-        }
-    }
-    Ok(if terminal.mistakes == 0 {
-        ExitCode::Success
-    } else {
-        ExitCode::Findings
-    })
+    Ok(code)
 }
 
 /// Returns the person's opponent, or findings if there is none.
@@ -227,9 +226,42 @@ struct Terminal<'a> {
     mistakes: usize,
     /// Whether the output is still read.
     is_read: bool,
+    /// The commands so far, each with what was answered.
+    commands: Vec<(String, String)>,
 }
 
 impl Terminal<'_> {
+    /// Plays with the commands of a script, of the terminal, or of a pipe.
+    fn play(&mut self, script: Option<&str>, arguments: &Arguments) -> anyhow::Result<ExitCode> {
+        if self.console.format == Format::Json {
+            self.console.line(&self.session.opening_line())?;
+        } else {
+            self.print(&self.session.opening())?;
+        }
+        match script {
+            Some(text) => {
+                let name = arguments.script.as_deref().unwrap_or(Path::new(""));
+                self.script(text, &name.display().to_string(), 0)?;
+            }
+            None if std::io::stdin().is_terminal() => return self.interact(),
+            None => {
+                let mut number = 0;
+                for line in BufReader::new(std::io::stdin()).lines() {
+                    number += 1;
+                    let line = line.context("standard input cannot be read")?;
+                    if !self.line(&line, &format!("line {number}"), 0)? {
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(if self.mistakes == 0 {
+            ExitCode::Success
+        } else {
+            ExitCode::Findings
+        })
+    }
+
     fn print(&mut self, text: &str) -> anyhow::Result<()> {
         self.is_read &= self.console.part(text)?;
         Ok(())
@@ -262,7 +294,14 @@ impl Terminal<'_> {
         depth: usize,
         shown: impl Fn(&str) -> String,
     ) -> anyhow::Result<bool> {
-        let done = match self.session.run(line) {
+        let ran = self.session.run(line);
+        if !line.is_empty() {
+            let answer = ran
+                .as_ref()
+                .map_or_else(Clone::clone, |reply| reply.text.clone());
+            self.commands.push((line.to_owned(), answer));
+        }
+        let done = match ran {
             Err(mistake) => Err(mistake),
             Ok(reply) => {
                 if self.console.format == Format::Json {

@@ -3,6 +3,7 @@
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
+use super::page::{self, PageFile};
 use super::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, has_errors};
 use crate::engine::controller::ExtractionOptions;
@@ -12,6 +13,7 @@ use crate::game::{Limit, Preference};
 use crate::gr1::Specification;
 use crate::interchange::{self, Target};
 use crate::mealy;
+use crate::report::html::controller::{self, Opponent};
 use crate::source::Span;
 use crate::station::emit::controller as c_files;
 use crate::station::{is_windows_device, structured_text};
@@ -25,6 +27,7 @@ use std::path::PathBuf;
     linewright synth contracts/handling/turn.lw
     linewright synth contracts/handling/turn.lw::Turn --emit dot --emit svg --out controllers
     linewright synth examples/other-tools/arbiter.spc
+    linewright synth contracts/handling/turn.lw --report turn.html
     linewright synth contracts/handling/turn.lw --emit spc
     linewright synth --counterstrategy --emit json examples/repair-me/1-clash.lw
 
@@ -38,10 +41,14 @@ pub struct Arguments {
     /// one in TLSF (.tlsf)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
-    /// Output form (repeatable)
-    #[arg(long, value_enum, default_value = "json")]
+    /// Output form (repeatable) [default: json, or none with --report]
+    #[arg(long, value_enum)]
     pub emit: Vec<Emit>,
-    /// Write the counterstrategy of an unrealizable contract (json, dot, svg)
+    /// Write a report as one HTML file, in which one can walk through the controller: its state
+    /// diagram, its answers, and why it refuses a move
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Write the counterstrategy of an unrealizable contract (json, dot, svg, and --report)
     #[arg(long)]
     pub counterstrategy: bool,
     /// Objective for a Mealy machine; symbolic controllers always use `reaction`
@@ -149,8 +156,26 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .pick(&loaded, "contract", &library.contracts, |c| {
             (&c.name, c.span)
         })?;
+    if arguments.report.is_some() {
+        let selection = &arguments.selection;
+        selection.only(&contracts, "a report shows only one contract")?;
+    }
+    // A report that cannot be written ends the command before anything is solved.
+    let page_file = match PageFile::new(arguments.report.as_deref(), &loaded.places) {
+        Ok(file) => file,
+        Err(finding) => {
+            let found = [*finding];
+            console.failed("synth", &library.sources, &found)?;
+            return Ok(options.exit_code(&found));
+        }
+    };
+    let is_default = arguments.emit.is_empty() && page_file.is_none();
     let mut forms: Vec<Emit> = Vec::new();
-    for emit in &arguments.emit {
+    for emit in arguments
+        .emit
+        .iter()
+        .chain(is_default.then_some(&Emit::Json))
+    {
         if !forms.contains(emit) {
             forms.push(*emit);
         }
@@ -197,7 +222,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             .all(|e| matches!(e, Emit::Json | Emit::C | Emit::St | Emit::Plcopen)),
     });
     let mut indices: Vec<usize> = Vec::new();
-    if !controllers.is_empty() {
+    if !controllers.is_empty() || page_file.is_some() {
         indices.extend(contracts.iter().map(|c| match loaded.foreign(c.span.file) {
             Some(foreign) => {
                 let reading = &foreign.reading;
@@ -213,7 +238,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             console.remark(&(statistics.show(&contract.name) + "\n"))?;
         }
     }
-    for (contract, index) in contracts.iter().zip(indices) {
+    for (contract, index) in contracts.iter().zip(indices.iter().copied()) {
         if arguments.counterstrategy {
             if checked[index].verdict == Verdict::Realizable {
                 anyhow::bail!(
@@ -248,6 +273,18 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
+    let mut code = ExitCode::Success;
+    if let (Some(file), [contract], [index]) = (page_file, contracts.as_slice(), indices.as_slice())
+        && let Some(opponent) = opponent(&checked[*index], arguments.counterstrategy)
+    {
+        let command = page::command();
+        let page = controller::Page {
+            contract,
+            opponent,
+            origin: page::origin(&command, &library.sources, &findings),
+        };
+        code = file.write(&controller::page(&page), console, &library.sources)?;
+    }
     if let Some(folder) = &arguments.out {
         for (name, text) in &written.files {
             let path = folder.join(name);
@@ -264,7 +301,18 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     } else {
         console.findings(&library.sources, &findings)?;
     }
-    Ok(options.exit_code(&findings))
+    Ok(options.exit_code(&findings).and(code))
+}
+
+/// What a report shows: the controller, or the counterstrategy; `None` if there is none.
+fn opponent(checked: &CheckedContract, counterstrategy: bool) -> Option<Opponent<'_>> {
+    if counterstrategy {
+        let explanation = checked.explanation.as_ref()?;
+        return Some(Opponent::Counterstrategy(
+            explanation.counterstrategy.as_ref()?,
+        ));
+    }
+    checked.controller.as_ref().map(Opponent::Controller)
 }
 
 /// The counterstrategy of an unrealizable contract; if it is missing, adds a finding with the

@@ -19,7 +19,7 @@ const CRATES: [(&str, &[&str]); 12] = [
         "line",
         &["algebra", "core", "language", "solver", "station"],
     ),
-    ("report", &["core", "language", "line"]),
+    ("report", &["core", "language", "line", "solver"]),
     ("log", &["language", "line"]),
     (
         "engine",

@@ -146,6 +146,21 @@ impl Assembly<'_> {
         (document, all)
     }
 
+    /// The contract with this name in this file, and its result if it was checked.
+    pub(super) fn contract_of(
+        &self,
+        file: &str,
+        name: &str,
+    ) -> Option<(&Contract, Option<&CheckedContract>)> {
+        let library = &self.loaded.library;
+        let mut contracts = library.contracts.iter();
+        let contract =
+            contracts.find(|c| c.name == name && library.sources.file(c.span.file).name == file)?;
+        let mut jobs = self.contracts.iter();
+        let job = jobs.find(|(known, _)| std::ptr::eq(*known, contract));
+        Some((contract, job.map(|(_, job)| &self.checked[*job])))
+    }
+
     /// Proves the machines and lines in parallel. Returns their entries and findings in the order
     /// of the declarations.
     fn proved(&self) -> Vec<(ProvedEntry, Vec<Diagnostic>)> {

@@ -6,18 +6,28 @@ use crate::gr1::{Domain, Owner, Specification, Timing};
 use crate::mealy::Machine;
 use serde_json::Value;
 
-/// Converts a play; values are keyed by variable name.
-pub(super) fn play(s: &Specification, play: &Play) -> PlayEntry {
+/// The values of all variables in each step of a play, as far as they matter: in a step in which
+/// the machine has no answer, only the inputs have values.
+pub(super) fn steps(s: &Specification, play: &Play) -> Vec<Vec<Option<i64>>> {
     let last = play.steps.len() - 1;
     let clashes = matches!(play.ending, Ending::Clash(_));
-    let name = |g: &GuaranteeRef| g.formula(&s.guarantees).name.clone();
     let steps = play.steps.iter().enumerate().map(|(at, step)| {
-        let known = s.variables.iter().zip(step).filter(|(v, _)| {
-            let answered = !clashes || at < last || s.timing == Timing::Moore;
-            answered || v.owner == Owner::Environment
-        });
+        let answered = !clashes || at < last || s.timing == Timing::Moore;
+        let values = s.variables.iter().zip(step);
+        let known =
+            values.map(|(v, value)| (answered || v.owner == Owner::Environment).then_some(*value));
+        known.collect()
+    });
+    steps.collect()
+}
+
+/// Converts a play; values are keyed by variable name.
+pub(super) fn play(s: &Specification, play: &Play) -> PlayEntry {
+    let name = |g: &GuaranteeRef| g.formula(&s.guarantees).name.clone();
+    let steps = steps(s, play).into_iter().map(|step| {
+        let known = s.variables.iter().zip(step);
         known
-            .map(|(v, value)| (v.name.clone(), shown(&v.domain, *value)))
+            .filter_map(|(v, value)| Some((v.name.clone(), shown(&v.domain, value?))))
             .collect()
     });
     let mut entry = PlayEntry {

@@ -3,6 +3,7 @@
 mod assembly;
 mod document;
 mod explained;
+mod report;
 mod table;
 mod view;
 mod watch;
@@ -11,6 +12,7 @@ use super::console::Console;
 use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use super::page::{self, PageFile};
 use super::proof;
 use super::schema::{Described, form};
 use crate::contract::machine::Machine;
@@ -44,6 +46,7 @@ pub const DOCUMENT: Described = Described::new(
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
     linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
+    linewright check --report cell.html examples/ice-lab/line.lw
     linewright check --verdict-only examples/other-tools/arbiter.spc
 
     $ linewright check --watch contracts/
@@ -94,10 +97,16 @@ one document on one line, with the changes since the last one (`changes`, `unix_
 SARIF is refused"
     )]
     pub watch: bool,
+    /// Write a report as one HTML file: verdicts, findings, plays as timing diagrams, interfaces, and
+    /// what each proof rests on
+    #[arg(long, value_name = "FILE", conflicts_with = "watch")]
+    pub report: Option<PathBuf>,
 }
 
 /// Result of a check.
 struct CheckResult {
+    /// The report, if one is wanted.
+    page: Option<String>,
     loaded: LoadedFiles,
     document: Document,
     findings: Vec<Diagnostic>,
@@ -110,23 +119,43 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         return watch::run(arguments, options);
     }
     let settings = options.settings();
-    let checked = check(arguments, options, &settings, None)?;
-    write(options.console(), &checked, options)?;
+    let loaded = load(arguments, options);
+    let console = options.console();
+    // A report that cannot be written ends the command before anything is solved.
+    let file = match PageFile::new(arguments.report.as_deref(), &loaded.places) {
+        Ok(file) => file,
+        Err(finding) => {
+            let found = [*finding];
+            console.failed("check", &loaded.library.sources, &found)?;
+            return Ok(options.exit_code(&found));
+        }
+    };
+    let mut checked = check(loaded, arguments, options, &settings, None)?;
+    write(console, &checked, options)?;
+    if let (Some(file), Some(page)) = (file, checked.page.take()) {
+        let code = file.write(&page, console, &checked.loaded.library.sources)?;
+        checked.code = checked.code.and(code);
+    }
     Ok(checked.code)
+}
+
+/// Loads the files.
+fn load(arguments: &Arguments, options: &GlobalOptions) -> LoadedFiles {
+    files::load(
+        &arguments.paths,
+        &StandardLibrary::new(options.library.clone()),
+    )
 }
 
 /// Checks everything once.
 fn check(
+    loaded: LoadedFiles,
     arguments: &Arguments,
     options: &GlobalOptions,
     settings: &Settings,
     memory: Option<&mut Memory>,
 ) -> anyhow::Result<CheckResult> {
     let console = options.console();
-    let loaded = files::load(
-        &arguments.paths,
-        &StandardLibrary::new(options.library.clone()),
-    );
     let files = FileView::all(&loaded);
 
     // Controllers of actions have the same form as in `build`.
@@ -179,13 +208,14 @@ fn check(
     };
     let checked = jobs.run_with(memory, &announcing, &progress);
 
-    // Only the tables show what a discharge rests on.
-    let discharges = if options.verbose || options.format == Format::Json {
+    // Only the tables and pages show what a discharge rests on.
+    let is_detailed = options.format == Format::Json || arguments.report.is_some();
+    let discharges = if options.verbose || is_detailed {
         Discharges::Minimal
     } else {
         Discharges::Sufficient
     };
-    let report = Assembly {
+    let assembly = Assembly {
         loaded: &loaded,
         files: &files,
         contracts: &contracts,
@@ -195,17 +225,21 @@ fn check(
         checked: &checked,
         prover: settings.prover().with_discharges(discharges),
         progress: &console.progress(machines.len() + library.lines.len(), "proving"),
-        verbose: options.verbose,
-        state_count: if options.format == Format::Json {
+        verbose: options.verbose || arguments.report.is_some(),
+        state_count: if is_detailed {
             StateCount::Wanted
         } else {
             StateCount::Omitted
         },
         timing: !options.no_timing,
         statistics: arguments.stats,
-    }
-    .document();
-    let (mut document, mut findings) = report;
+    };
+    let (mut document, mut findings) = assembly.document();
+    let page = arguments.report.as_ref().map(|_| {
+        let command = page::command();
+        let of = page::origin(&command, &library.sources, &findings);
+        report::page(&assembly, &document, &of)
+    });
     if let Some(path) = &arguments.proof {
         let own = contracts.iter().filter(|(c, _)| {
             loaded
@@ -238,6 +272,7 @@ fn check(
         .fold(ExitCode::Success, ExitCode::and);
     let code = options.exit_code(&findings).and(verdicts);
     Ok(CheckResult {
+        page,
         code: code.and(ExitCode::of_loading(&loaded)),
         document,
         findings,

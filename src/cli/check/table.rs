@@ -1,6 +1,6 @@
 //! Formats the result of `check` as text: one line per declaration, and a summary.
 
-use super::document::{Document, SkillsVerdict, Validity};
+use super::document::{Document, LineEntry, SkillsVerdict, Summary, Validity};
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::RefinementVerdict;
 use crate::engine::pipeline::Verdict;
@@ -70,7 +70,7 @@ impl From<Validity> for Mark {
 }
 
 /// Formats a verdict for the table: `gave up`.
-fn in_words(verdict: impl fmt::Display) -> String {
+pub(super) fn in_words(verdict: impl fmt::Display) -> String {
     verdict.to_string().replace('_', " ")
 }
 
@@ -146,14 +146,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
             );
         }
         cells[3] = in_words(l.verdict);
-        cells[4] = match l.proof {
-            Some(LineVerdict::Proved) if l.premises.is_empty() => "proved".to_owned(),
-            Some(LineVerdict::Proved) => "proved, provided".to_owned(),
-            Some(LineVerdict::Safe) => "no global deadlock".to_owned(),
-            Some(LineVerdict::Open) => "not proved".to_owned(),
-            Some(LineVerdict::GaveUp) => "not decided".to_owned(),
-            None => String::new(),
-        };
+        line_verdict(l).clone_into(&mut cells[4]);
         cells[6] = file(&l.file);
         rows.push(Row {
             mark: l.verdict.into(),
@@ -178,6 +171,18 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         }
     }
     text
+}
+
+/// What is proved of a line, in short; empty if it cannot be run.
+pub(super) fn line_verdict(line: &LineEntry) -> &'static str {
+    match line.proof {
+        Some(LineVerdict::Proved) if line.premises.is_empty() => "proved",
+        Some(LineVerdict::Proved) => "proved, provided",
+        Some(LineVerdict::Safe) => "no global deadlock",
+        Some(LineVerdict::Open) => "not proved",
+        Some(LineVerdict::GaveUp) => "not decided",
+        None => "",
+    }
 }
 
 /// Lists the premises of the proofs of lines.
@@ -254,7 +259,7 @@ fn align(rows: &[Row]) -> String {
 }
 
 /// `vdi:Drehen Rotating`: the first code with its English term, and the number of further codes.
-fn term(codes: &[String]) -> String {
+pub(super) fn term(codes: &[String]) -> String {
     let Some(code) = codes.first() else {
         return String::new();
     };
@@ -349,7 +354,7 @@ fn work(document: &Document) -> String {
 }
 
 /// A time with its least and greatest value: `2.8 s`, or `2.8 s to 4 s`.
-fn seconds([least, greatest]: [f64; 2]) -> String {
+pub(super) fn seconds([least, greatest]: [f64; 2]) -> String {
     if least < greatest {
         format!("{} to {}", duration(least), duration(greatest))
     } else {
@@ -357,14 +362,18 @@ fn seconds([least, greatest]: [f64; 2]) -> String {
     }
 }
 
-fn discharged(discharges: &[DischargeEntry]) -> String {
-    let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
-    let how = |d: &DischargeEntry| match (d.rule, d.turn) {
+/// The rule by which an obligation is discharged, in words.
+pub(super) fn how(discharge: &DischargeEntry) -> String {
+    match (discharge.rule, discharge.turn) {
         (DischargeRuleName::Induction, _) => "step by step".to_owned(),
         (DischargeRuleName::Exported, _) => "environment".to_owned(),
         (rule, Some(turn)) => format!("{rule}, turn {turn}"),
         (rule, None) => rule.to_string(),
-    };
+    }
+}
+
+fn discharged(discharges: &[DischargeEntry]) -> String {
+    let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
     let width = |text: &dyn Fn(&DischargeEntry) -> String| {
         let widths = discharges.iter().map(|d| text(d).chars().count());
         widths.max().unwrap_or(0)
@@ -376,12 +385,12 @@ fn discharged(discharges: &[DischargeEntry]) -> String {
     lines.collect()
 }
 
-fn count(n: usize, what: &str) -> String {
+pub(super) fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
-fn summary(document: &Document) -> String {
-    let s = &document.summary;
+/// The number of contracts by verdict, in words; empty if there are none.
+pub(super) fn summary_of_verdicts(s: &Summary) -> String {
     let mut parts = Vec::new();
     for (n, what) in [
         (s.realizable, "realizable"),
@@ -394,12 +403,16 @@ fn summary(document: &Document) -> String {
             parts.push(format!("{n} {what}"));
         }
     }
+    parts.join(", ")
+}
+
+fn summary(document: &Document) -> String {
+    let s = &document.summary;
     let contracts = count(document.contracts.len(), "contract");
-    let verdicts = if parts.is_empty() {
-        String::new()
-    } else {
-        format!(": {}", parts.join(", "))
-    };
+    let mut verdicts = summary_of_verdicts(s);
+    if !verdicts.is_empty() {
+        verdicts.insert_str(0, ": ");
+    }
     let mut text = format!("{contracts}{verdicts}; {}.\n", count(s.findings, "finding"));
     if s.realizable + s.unrealizable > 0 {
         let _ = writeln!(

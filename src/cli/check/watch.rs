@@ -7,7 +7,7 @@
 
 mod file_watcher;
 
-use super::{Arguments, CheckResult, check, write};
+use super::{Arguments, CheckResult, check, load, write};
 use crate::cli::exit::ExitCode;
 use crate::cli::interrupt;
 use crate::cli::options::{Format, GlobalOptions};
@@ -82,7 +82,13 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
         settings
             .cache
             .get_or_insert_with(|| Cache::in_folder(own.path()));
-        let mut checked = check(arguments, options, &settings, Some(&mut memory))?;
+        let mut checked = check(
+            load(arguments, options),
+            arguments,
+            options,
+            &settings,
+            Some(&mut memory),
+        )?;
         if interrupt::take() {
             return Ok(code.unwrap_or(ExitCode::GaveUp));
         }

@@ -1,33 +1,27 @@
-//! `--report`: the page of a run.
+//! `--report`: a run as a page.
 
 use super::{Arguments, Simulated};
 use crate::cli::page::{command, origin};
-use crate::diagnostics::Diagnostic;
-use crate::engine::output::PendingFile;
 use crate::line::comparison::Comparison;
-use crate::report::html::run::{Compared, Page, page};
+use crate::report::html::run::{self, Compared, Page};
 use crate::report::{Intervals, Variant};
 use std::collections::BTreeMap;
-use std::io::Write as _;
 
-/// Writes the page of a run to a file.
-pub(super) fn write(
-    file: PendingFile,
+/// Returns the page of a run that was recorded.
+pub(super) fn page(
     arguments: &Arguments,
     base: &Simulated,
     intervals: Option<Intervals<'_>>,
     compared: Option<&(Variant, Simulated, Vec<Comparison>)>,
-) -> Result<(), Box<Diagnostic>> {
-    let Some(recorder) = &base.recorder else {
-        return Ok(());
-    };
+) -> Option<String> {
+    let recorder = base.recorder.as_ref()?;
     let set: BTreeMap<&str, &str> = super::settings_by_name(&arguments.set);
     let comparison = compared.map(|(variant, simulated, comparisons)| Compared {
         variant,
         traces: &simulated.run.traces,
         comparisons,
     });
-    let text = page(&Page {
+    Some(run::page(&Page {
         line: &base.line,
         traces: &base.run.traces,
         intervals,
@@ -35,7 +29,5 @@ pub(super) fn write(
         comparison,
         set: &set,
         origin: origin(&command(), &base.loaded.library.sources, &base.findings),
-    });
-    let written = file.file().write_all(text.as_bytes());
-    file.keep(written)
+    }))
 }

@@ -14,7 +14,7 @@ pub(super) const LABEL_FONT: f64 = 11.0;
 pub(super) const MARGIN: f64 = 10.0;
 
 /// Style of the box of a state.
-pub(super) const STATE: &str = "rx=\"8\" fill=\"aliceblue\" stroke=\"black\"";
+pub(super) const STATE: &str = "class=\"state\" rx=\"8\" fill=\"aliceblue\" stroke=\"black\"";
 
 /// Style of the background of a label, so that lines behind the text do not cross it.
 pub(super) const BACKGROUND: &str = "fill=\"white\" fill-opacity=\"0.85\"";

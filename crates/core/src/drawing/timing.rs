@@ -141,10 +141,12 @@ impl Part<'_> {
             .filter(|(title, _)| !title.is_empty());
         let signals = self.timing.groups.iter().map(|(_, signals)| signals.len());
         let rows = titles.count() + signals.sum::<usize>();
-        let mut canvas = Canvas::default();
-        canvas.size = Size {
-            width: self.x(self.to) + 1.0,
-            height: HEADING + rows as f64 * ROW,
+        let mut canvas = Canvas {
+            size: Size {
+                width: self.x(self.to) + 1.0,
+                height: HEADING + rows as f64 * ROW,
+            },
+            shapes: Vec::new(),
         };
         self.grid(&mut canvas);
         let mut y = HEADING;
@@ -195,7 +197,7 @@ impl Part<'_> {
             let x = self.x(step);
             let line = vec![Point { x, y: HEADING }, Point { x, y: bottom }];
             canvas.shapes.push(Shape::Line(line, RULE));
-            if step < self.to && (step - self.from) % each == 0 {
+            if step < self.to && (step - self.from).is_multiple_of(each) {
                 canvas.shapes.push(Shape::Text(Text {
                     at: Point {
                         x: x + self.step / 2.0,

@@ -73,6 +73,11 @@ impl<'a> Session<'a> {
         }
     }
 
+    /// Values of all variables in each step so far.
+    pub fn steps(&self) -> &[Vec<i64>] {
+        &self.steps
+    }
+
     /// The side that the person plays.
     pub fn person(&self) -> Owner {
         self.opponent.person()
@@ -176,7 +181,7 @@ impl<'a> Session<'a> {
     }
 
     /// Why the play is over; `None` if it is not.
-    pub(super) fn over(&self) -> Option<String> {
+    pub fn over(&self) -> Option<String> {
         if let Some((last, earlier)) = self.steps.split_last() {
             let before = earlier.last().map(Vec::as_slice);
             let broken = self.printer.broken(self.person(), before, last);

@@ -4,9 +4,12 @@
 //! tables and small charts are written here, as HTML and SVG. A script that is part of a page adds
 //! what moves.
 
+pub mod contract;
+pub mod controller;
 mod numbers;
 pub mod parts;
 pub mod run;
+pub mod session;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

@@ -1,8 +1,8 @@
 //! What pages have in common: sections, tables, tiles, pictures, and where a result comes from.
 
-use anstream::adapter::strip_str;
 use base64::Engine as _;
-use linewright_core::diagnostics::{Diagnostic, render};
+use linewright_core::diagnostics::Diagnostic;
+use linewright_core::diagnostics::json::{self, Finding, Place};
 use linewright_core::source::SourceMap;
 use maud::{Markup, html};
 use sha2::{Digest, Sha256};
@@ -115,7 +115,7 @@ pub fn origin(heading: &str, of: &Origin<'_>, more: &[(&str, String)], inside: &
         (inside)
         @if !of.findings.is_empty() {
             h3 { "Findings" }
-            (findings(of.sources, of.findings))
+            (findings(of.sources, &json::findings(of.sources, of.findings)))
         }
         h3 { "Files" }
         @for (_, file) in of.sources.files() {
@@ -128,9 +128,30 @@ pub fn origin(heading: &str, of: &Origin<'_>, more: &[(&str, String)], inside: &
     section("model", heading, &inside)
 }
 
-/// Findings as on a terminal, with the lines that they are about.
-pub fn findings(sources: &SourceMap, findings: &[Diagnostic]) -> Markup {
-    html! { pre tabindex="0" { (strip_str(&render::human(sources, findings))) } }
+/// Findings, each with the line that it is about.
+pub fn findings(sources: &SourceMap, findings: &[Finding]) -> Markup {
+    html! {
+        @for finding in findings { div class=(format!("finding {}", finding.severity)) {
+            p { strong { (finding.severity) " " (finding.code) } ": " (finding.message) }
+            @if let Some(place) = &finding.span { (located(sources, place, "")) }
+            @for label in &finding.labels { (located(sources, &label.span, &label.text)) }
+            @for note in &finding.notes { pre tabindex="0" { (note) } }
+            @if let Some(help) = &finding.help { p { "Help: " (help) } }
+        } }
+    }
+}
+
+/// A place in a file with its first line, and a remark on it.
+fn located(sources: &SourceMap, place: &Place, remark: &str) -> Markup {
+    let file = sources.files().find(|(_, file)| file.name == place.file);
+    let line = file.and_then(|(_, file)| file.text.lines().nth(place.line.checked_sub(1)?));
+    html! {
+        p.place {
+            (place.file) ":" (place.line)
+            @if !remark.is_empty() { ", " (remark) }
+            @if let Some(line) = line { br; code { (line.trim()) } }
+        }
+    }
 }
 
 /// SHA-256 of the names and texts of all files, in hexadecimal digits.

@@ -1,0 +1,174 @@
+//! Parts of pages that show a contract: its interface, its rules, and plays as timing diagrams.
+
+use super::parts::{behind, drawing, table, table_of};
+use linewright_core::drawing::timing::{self, Level, Signal, Timing};
+use linewright_core::gr1::{Domain, FormulaKind, Owner, Specification, VarId, Variable};
+use linewright_core::source::SourceMap;
+use linewright_core::taxonomy;
+use linewright_language::contract::Contract;
+use maud::{Markup, html};
+
+/// Maximum number of steps in a timing diagram.
+const MAX_STEPS: usize = 400;
+
+/// The contract's comment, and the terms of its codes in the taxonomies.
+pub fn description(contract: &Contract) -> Markup {
+    html! {
+        @if !contract.doc.is_empty() { p.doc { (contract.doc) } }
+        @if !contract.codes.is_empty() {
+            p { @for (index, code) in contract.codes.iter().enumerate() {
+                @if index > 0 { "; " }
+                code { (code.text) }
+                @if let Some(entry) = taxonomy::find(&code.text) { " " (entry.english) }
+            } }
+        }
+    }
+}
+
+/// Rank of the headings above the tables of a contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rank {
+    /// Below the heading of a section.
+    Section,
+    /// Below the heading of one of several declarations in a section.
+    Declaration,
+}
+
+fn heading(rank: Rank, text: &str) -> Markup {
+    html! {
+        @match rank {
+            Rank::Section => h3 { (text) },
+            Rank::Declaration => h4 { (text) },
+        }
+    }
+}
+
+/// The signals of a contract with their values.
+pub fn interface(specification: &Specification, rank: Rank) -> Markup {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (index, variable) in specification.variables.iter().enumerate() {
+        if !specification.is_auxiliary(VarId(index as u32)) {
+            rows.push(vec![
+                variable.name.clone(),
+                side(variable).to_owned(),
+                variable.describe(),
+            ]);
+        }
+    }
+    html! {
+        (heading(rank, "Interface"))
+        (table(&["Signal", "Kind", "Values"], &rows))
+    }
+}
+
+fn side(variable: &Variable) -> &'static str {
+    match variable.owner {
+        Owner::Environment => "input",
+        Owner::System if variable.internal => "internal",
+        Owner::System => "output",
+    }
+}
+
+/// The assumptions and guarantees of a contract with their places in the files.
+pub fn rules(specification: &Specification, sources: &SourceMap, rank: Rank) -> Markup {
+    let sides = [
+        ("assumption", &specification.assumptions),
+        ("guarantee", &specification.guarantees),
+    ];
+    html! {
+        (heading(rank, "Rules"))
+        (table_of("Rules", &["Rule", "Kind", "When", "Formula", "Place"], &html! {
+            @for (kind, side) in sides { @for (when, _, formula) in side.formulas() { tr {
+                th scope="row" { (formula.name) @if let Some(id) = &formula.requirement { br; small { (id) } } }
+                td { (kind) }
+                td { (time(when)) }
+                td { code { (formula.text) } }
+                td { (sources.file(formula.span.file).name) ":" (sources.start(formula.span).line) }
+            } } }
+        }))
+    }
+}
+
+/// When a formula has to hold, in words.
+pub fn time(kind: FormulaKind) -> &'static str {
+    match kind {
+        FormulaKind::Initial => "in step 0",
+        FormulaKind::Invariant => "in every step",
+        FormulaKind::Safety => "from every step to the next",
+        FormulaKind::Justice => "again and again",
+    }
+}
+
+/// Steps of a play as a timing diagram, with a table behind it. A step has a value for each
+/// variable, unless it is not known.
+pub fn play(
+    title: &str,
+    specification: &Specification,
+    steps: &[Vec<Option<i64>>],
+    repeats_from: Option<usize>,
+) -> Markup {
+    let (timing, shown) = diagram(specification, steps, repeats_from);
+    let mut headings = vec!["Signal".to_owned()];
+    headings.extend((0..shown).map(|step| format!("Step {step}")));
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    let signals = timing.groups.iter().flat_map(|(_, signals)| signals);
+    let rows = signals.map(|signal| {
+        let values = signal.values.iter().map(|level| match level {
+            Level::Bit(is_high) => is_high.to_string(),
+            Level::Word(word) => word.clone(),
+            Level::Unknown => String::new(),
+        });
+        std::iter::once(signal.name.clone()).chain(values).collect()
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    html! {
+        (drawing(&timing::render(title, &timing), &format!("Timing diagram: {title}. Its values are in the table below.")))
+        @if shown < steps.len() { p.hint { "The first " (shown) " of " (steps.len()) " steps." } }
+        (behind(&headings, &rows))
+    }
+}
+
+/// Steps of a play as a timing diagram, and how many of them it shows.
+fn diagram(
+    specification: &Specification,
+    steps: &[Vec<Option<i64>>],
+    repeats_from: Option<usize>,
+) -> (Timing, usize) {
+    let shown = steps.len().min(MAX_STEPS);
+    let group = |name: &str, of: &dyn Fn(&Variable) -> bool| {
+        let variables = specification.variables.iter().enumerate();
+        let wanted = variables
+            .filter(|(index, v)| of(v) && !specification.is_auxiliary(VarId(*index as u32)));
+        let signals = wanted.map(|(index, variable)| Signal {
+            name: variable.name.clone(),
+            values: steps[..shown]
+                .iter()
+                .map(|step| level(variable, step[index]))
+                .collect(),
+        });
+        (name.to_owned(), signals.collect::<Vec<_>>())
+    };
+    let is_input = |v: &Variable| v.owner == Owner::Environment;
+    let groups = vec![
+        group("Inputs", &is_input),
+        group("Outputs", &|v| !is_input(v)),
+    ];
+    let timing = Timing {
+        groups: groups
+            .into_iter()
+            .filter(|(_, signals)| !signals.is_empty())
+            .collect(),
+        first: 0,
+        steps: shown,
+        repeats_from,
+    };
+    (timing, shown)
+}
+
+fn level(variable: &Variable, value: Option<i64>) -> Level {
+    match (value, &variable.domain) {
+        (None, _) => Level::Unknown,
+        (Some(value), Domain::Bool) => Level::Bit(value != 0),
+        (Some(value), _) => Level::Word(variable.show(value)),
+    }
+}

@@ -1,0 +1,205 @@
+//! A controller, or a counterstrategy, as a page in which one can walk through it.
+
+mod data;
+
+use super::contract::Rank;
+use super::parts::{self, Origin, links, section, table, tile};
+use super::{Document, contract as of_contract, document};
+use linewright_core::gr1::{Owner, Timing, show_value};
+use linewright_language::contract::Contract;
+use linewright_solver::mealy::{Controller, Machine, Port, picture};
+use maud::{Markup, PreEscaped, html};
+
+/// Maximum number of states in the table of states.
+const MAX_LISTED: usize = 500;
+
+/// What a page shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Page<'a> {
+    /// The contract.
+    pub contract: &'a Contract,
+    /// Who answers the reader's moves.
+    pub opponent: Opponent<'a>,
+    /// Where the result comes from.
+    pub origin: Origin<'a>,
+}
+
+/// Who answers the reader's moves.
+#[derive(Debug, Clone, Copy)]
+pub enum Opponent<'a> {
+    /// A controller: the reader plays the plant.
+    Controller(&'a Controller),
+    /// A counterstrategy: the reader plays the machine.
+    Counterstrategy(&'a Machine),
+}
+
+impl<'a> Opponent<'a> {
+    fn machine(self) -> Option<&'a Machine> {
+        match self {
+            Self::Controller(controller) => controller.machine(),
+            Self::Counterstrategy(machine) => Some(machine),
+        }
+    }
+
+    fn timing(self) -> Timing {
+        match self {
+            Self::Controller(controller) => controller.timing(),
+            Self::Counterstrategy(machine) => machine.timing,
+        }
+    }
+
+    /// The side that the reader plays.
+    fn reader(self) -> Owner {
+        match self {
+            Self::Controller(_) => Owner::Environment,
+            Self::Counterstrategy(_) => Owner::System,
+        }
+    }
+}
+
+/// Returns the page. It is the same for the same controller.
+pub fn page(page: &Page<'_>) -> String {
+    let Page {
+        contract, opponent, ..
+    } = *page;
+    let (what, reader) = match opponent {
+        Opponent::Controller(_) => ("Controller", "plant"),
+        Opponent::Counterstrategy(_) => ("Counterstrategy", "machine"),
+    };
+    let title = format!("{what} of {}", contract.name);
+    let machine = opponent.machine();
+    let sections = [
+        ("walk", "Walk", true),
+        ("states", "States", machine.is_some()),
+        ("contract", "Contract", true),
+        ("model", "Files", true),
+    ];
+    let shown = sections.iter().filter(|(.., is_there)| *is_there);
+    let body = html! {
+        header {
+            h1 { (title) }
+            (of_contract::description(contract))
+            (links(shown.map(|(id, name, _)| (*id, *name))))
+        }
+        main {
+            (tiles(opponent))
+            (section("walk", "Walk", &walk(opponent, reader)))
+            @if let Some(machine) = machine { (section("states", "States", &states(machine))) }
+            (section("contract", "Contract", &html! {
+                (of_contract::interface(&contract.specification, Rank::Section))
+                (of_contract::rules(&contract.specification, page.origin.sources, Rank::Section))
+            }))
+            (parts::origin("Files", &page.origin, &[], &html! {}))
+        }
+    };
+    document(&Document {
+        title: &title,
+        style: include_str!("walk.css"),
+        body: &body,
+        data: Some(&data::json(page)),
+        script: include_str!("walk.js"),
+    })
+}
+
+fn tiles(opponent: Opponent<'_>) -> Markup {
+    let kind = match (opponent.timing(), opponent.reader()) {
+        (Timing::Mealy, _) => "Mealy",
+        (Timing::Moore, _) => "Moore",
+    };
+    let order = match opponent.timing() {
+        Timing::Mealy => "it answers the inputs of the step",
+        Timing::Moore => "it moves first in each step",
+    };
+    html! {
+        dl.tiles {
+            @match opponent {
+                Opponent::Controller(Controller::Functions(functions)) => {
+                    (tile("Goals", &functions.controls.goals.len().to_string(), "a goal is pursued until it is reached"))
+                    (tile("Modes", &functions.mode_count().to_string(), "of all goals"))
+                    (tile("Decisions", &functions.controls.diagram.nodes.len().to_string(), "of its functions, which compute the outputs bit by bit"))
+                }
+                _ => @if let Some(machine) = opponent.machine() {
+                    (tile("States", &machine.states.len().to_string(), ""))
+                    (tile("Transitions", &machine.transition_count().to_string(), ""))
+                }
+            }
+            (tile("Kind", kind, order))
+            (tile("Verified", "yes", "against the contract, independently of the synthesis"))
+        }
+    }
+}
+
+/// The controls of the walk; the script fills them.
+fn walk(opponent: Opponent<'_>, reader: &str) -> Markup {
+    let (answers, rules) = match opponent.reader() {
+        Owner::Environment => ("controller", "assumptions"),
+        Owner::System => ("counterstrategy", "guarantees"),
+    };
+    html! {
+        p { "You are the " (reader) ": choose values and make a step; the " (answers) " answers. A move that breaks one of the " (rules) " is refused, with the rule." }
+        div.walk {
+            form #moves {
+                fieldset { legend #role { "Your move" } div #own {} }
+                div.controls {
+                    button #step type="submit" { "Step" }
+                    button #random type="button" { "Random move" }
+                    button #undo type="button" { "Back" }
+                    button #reset type="button" { "Start again" }
+                }
+            }
+            div {
+                h3 #now { "Before step 0" }
+                dl #answer {}
+                div #status role="status" {}
+            }
+        }
+        @if opponent.machine().is_some() {
+            h3 { "Moves from here" }
+            div #choices.scroll tabindex="0" role="group" aria-label="Moves from here" {}
+        }
+        details {
+            summary { "Why does the " (answers) " not do something else?" }
+            p { "Choose other values for its answer to the last move, to see which rules they would break." }
+            div #others {}
+            div #why role="status" {}
+        }
+        h3 { "Steps so far" }
+        div #history.scroll tabindex="0" role="group" aria-label="Steps so far" {}
+    }
+}
+
+/// The state diagram, and the states as a table.
+fn states(machine: &Machine) -> Markup {
+    let rows = machine.states.iter().enumerate().take(MAX_LISTED);
+    let rows = rows.flat_map(|(number, transitions)| {
+        transitions.iter().map(move |transition| {
+            let ports = machine.outputs.iter().zip(&transition.output);
+            let outputs: Vec<String> = ports
+                .map(|(port, value)| assignment(port, *value))
+                .collect();
+            vec![
+                format!("S{number}"),
+                machine.show_guard(&transition.guard),
+                outputs.join(", "),
+                format!("S{}", transition.to),
+            ]
+        })
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    html! {
+        div #diagram.scroll tabindex="0" role="group" aria-label="State diagram" { (PreEscaped(picture::to_svg(machine))) }
+        details {
+            summary { "All transitions as a table" }
+            @if machine.states.len() > MAX_LISTED { p.hint { "Those of the first " (MAX_LISTED) " states." } }
+            (table(&["State", "Condition", "Answer", "Next state"], &rows))
+        }
+    }
+}
+
+fn assignment(port: &Port, value: i64) -> String {
+    format!(
+        "{} = {}",
+        port.name,
+        show_value(&port.domain, value, &port.unit)
+    )
+}

@@ -1,0 +1,473 @@
+//! `--report`: the result of a check as a page.
+
+use super::assembly::Assembly;
+use super::document::{
+    ContractEntry, Document, LineEntry, MachineEntry, PlayEntry, SkillsEntry, SkillsVerdict,
+    Validity,
+};
+use super::explained;
+use super::table::{count, how, in_words, line_verdict, seconds, summary_of_verdicts, term};
+use crate::contract::Contract;
+use crate::engine::lines::LineVerdict;
+use crate::engine::machine::{ClosedVerdict, RefinementVerdict};
+use crate::engine::pipeline::{CheckedContract, Verdict};
+use crate::engine::words::DischargeEntry;
+use crate::gr1::Formula;
+use crate::report::html::contract::Rank;
+use crate::report::html::parts::{Origin, findings, links, origin, section, table, table_of, tile};
+use crate::report::html::{self, contract as parts};
+use crate::source::SourceMap;
+use maud::{Markup, html};
+
+/// Returns the page. It is the same for the same result.
+pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>) -> String {
+    let sections = [
+        ("results", "Results", true),
+        ("contracts", "Contracts", !document.contracts.is_empty()),
+        ("skills", "Skills", !document.skills.is_empty()),
+        ("machines", "Machines", !document.machines.is_empty()),
+        ("lines", "Lines", !document.lines.is_empty()),
+        ("model", "Files", true),
+    ];
+    let shown = sections.iter().filter(|(.., is_there)| *is_there);
+    let title = title(document);
+    let body = html! {
+        header {
+            h1 { (title) }
+            p { "What follows from the contracts, for every controller that keeps them. Semantics: strict, step by step (Bloem et al., 2012)." }
+            (links(shown.map(|(id, name, _)| (*id, *name))))
+        }
+        main {
+            (tiles(document))
+            (section("results", "Results", &results(document)))
+            @if !document.findings.is_empty() {
+                (section("findings", "Findings outside all declarations", &findings(of.sources, &document.findings)))
+            }
+            @if !document.contracts.is_empty() {
+                (section("contracts", "Contracts", &html! {
+                    @for (number, entry) in document.contracts.iter().enumerate() { (contract(assembly, number, entry, of.sources)) }
+                }))
+            }
+            @if !document.skills.is_empty() {
+                (section("skills", "Skills", &html! {
+                    @for (number, entry) in document.skills.iter().enumerate() { (skills(number, entry, of.sources)) }
+                }))
+            }
+            @if !document.machines.is_empty() {
+                (section("machines", "Machines", &html! {
+                    @for (number, entry) in document.machines.iter().enumerate() { (machine(number, entry, of.sources)) }
+                }))
+            }
+            @if !document.lines.is_empty() {
+                (section("lines", "Lines", &html! {
+                    @for (number, entry) in document.lines.iter().enumerate() { (line(number, entry, of.sources)) }
+                }))
+            }
+            // The findings are with what they are about.
+            (origin("Files", &Origin { findings: &[], ..*of }, &[], &html! {}))
+        }
+    };
+    html::document(&html::Document {
+        title: &title,
+        style: "",
+        body: &body,
+        data: None,
+        script: "",
+    })
+}
+
+/// What was checked: a line, if there is only one; else the kinds of declarations.
+fn title(document: &Document) -> String {
+    match (document.lines.as_slice(), document.contracts.as_slice()) {
+        ([line], _) => format!("Check of {}", line.name),
+        ([], [contract]) => format!("Check of {}", contract.name),
+        _ => "Check of contracts".to_owned(),
+    }
+}
+
+fn tiles(document: &Document) -> Markup {
+    let summary = &document.summary;
+    let proved = |line: &&LineEntry| line.proof == Some(LineVerdict::Proved);
+    let lines = document.lines.len();
+    let fit = |machine: &&MachineEntry| machine.verdict == Verdict::Realizable;
+    html! {
+        dl.tiles {
+            (tile("Contracts", &document.contracts.len().to_string(), &summary_of_verdicts(summary)))
+            @if !document.machines.is_empty() {
+                (tile("Machines", &document.machines.len().to_string(), &format!("{} realizable", document.machines.iter().filter(fit).count())))
+            }
+            @if lines > 0 {
+                (tile("Lines", &lines.to_string(), &format!("{} proved", document.lines.iter().filter(proved).count())))
+            }
+            (tile("Findings", &summary.findings.to_string(), ""))
+        }
+    }
+}
+
+/// Class of the style sheet that marks a verdict.
+fn class(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Realizable => "good",
+        Verdict::GaveUp => "open",
+        Verdict::Unrealizable | Verdict::Invalid | Verdict::InternalError => "bad",
+    }
+}
+
+fn class_of_line(entry: &LineEntry) -> &'static str {
+    match entry.verdict {
+        Validity::Valid => "good",
+        Validity::GaveUp => "open",
+        Validity::Invalid | Validity::InternalError => "bad",
+    }
+}
+
+fn class_of_skills(entry: &SkillsEntry) -> &'static str {
+    match entry.verdict {
+        SkillsVerdict::Consistent => "good",
+        SkillsVerdict::GaveUp => "open",
+        _ => "bad",
+    }
+}
+
+/// A declaration in the table of results.
+struct Row<'a> {
+    id: String,
+    name: &'a str,
+    kind: &'static str,
+    class: &'static str,
+    verdict: String,
+    details: String,
+    file: &'a str,
+    findings: usize,
+}
+
+/// A table of everything that was checked, with links to the details.
+fn results(document: &Document) -> Markup {
+    let mut rows: Vec<Row<'_>> = Vec::new();
+    for (number, c) in document.contracts.iter().enumerate() {
+        rows.push(Row {
+            id: id("contract", number),
+            name: &c.name,
+            kind: "contract",
+            class: class(c.verdict),
+            verdict: in_words(c.verdict),
+            details: term(&c.codes),
+            file: &c.file,
+            findings: c.findings.len(),
+        });
+    }
+    for (number, s) in document.skills.iter().enumerate() {
+        rows.push(Row {
+            id: id("skills", number),
+            name: &s.name,
+            kind: "skills",
+            class: class_of_skills(s),
+            verdict: in_words(s.verdict),
+            details: format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule")),
+            file: &s.file,
+            findings: s.findings.len(),
+        });
+    }
+    for (number, m) in document.machines.iter().enumerate() {
+        rows.push(Row {
+            id: id("machine", number),
+            name: &m.name,
+            kind: "machine",
+            class: class(m.verdict),
+            verdict: in_words(m.verdict),
+            details: count(m.components.len(), "component"),
+            file: &m.file,
+            findings: m.findings.len(),
+        });
+    }
+    for (number, l) in document.lines.iter().enumerate() {
+        rows.push(Row {
+            id: id("line", number),
+            name: &l.name,
+            kind: "line",
+            class: class_of_line(l),
+            verdict: in_words(l.verdict),
+            details: line_verdict(l).to_owned(),
+            file: &l.file,
+            findings: l.findings.len(),
+        });
+    }
+    let headings = ["Name", "Kind", "Verdict", "Details", "File", "Findings"];
+    table_of(
+        "Results",
+        &headings,
+        &html! {
+            @for row in &rows { tr {
+                th scope="row" { a href=(format!("#{}", row.id)) { (row.name) } }
+                td { (row.kind) }
+                td.(row.class) { (row.verdict) }
+                td { (row.details) }
+                td { (row.file) }
+                td.number { (row.findings) }
+            } }
+        },
+    )
+}
+
+/// The anchor of a declaration. Several files can declare the same name.
+fn id(kind: &str, number: usize) -> String {
+    format!("{kind}-{}", number + 1)
+}
+
+/// The frame of a declaration: its name, file and verdict.
+fn declaration(
+    id: &str,
+    name: &str,
+    file: &str,
+    class: &str,
+    verdict: &str,
+    inside: &Markup,
+) -> Markup {
+    html! {
+        article id=(id) {
+            h3 { (name) " " span.verdict.(class) { (verdict) } }
+            p.place { (file) }
+            (inside)
+        }
+    }
+}
+
+fn contract(
+    assembly: &Assembly<'_>,
+    number: usize,
+    entry: &ContractEntry,
+    sources: &SourceMap,
+) -> Markup {
+    let known = assembly.contract_of(&entry.file, &entry.name);
+    let inside = html! {
+        @if let Some((contract, checked)) = known {
+            (parts::description(contract))
+            (verdict_on_contract(contract, checked, entry, sources))
+        }
+        (findings(sources, &entry.findings))
+        @if let Some((contract, _)) = known {
+            details {
+                summary { "Interface and rules" }
+                (parts::interface(&contract.specification, Rank::Declaration))
+                (parts::rules(&contract.specification, sources, Rank::Declaration))
+            }
+        }
+    };
+    declaration(
+        &id("contract", number),
+        &entry.name,
+        &entry.file,
+        class(entry.verdict),
+        &in_words(entry.verdict),
+        &inside,
+    )
+}
+
+/// What the verdict means for this contract, and why the plant wins if it does.
+fn verdict_on_contract(
+    contract: &Contract,
+    checked: Option<&CheckedContract>,
+    entry: &ContractEntry,
+    sources: &SourceMap,
+) -> Markup {
+    let specification = &contract.specification;
+    let play = checked.and_then(|c| c.explanation.as_ref()?.play.as_ref());
+    html! {
+        @if let Some(states) = entry.states {
+            p { "A controller with " (count(states, "state")) " keeps all guarantees as long as the plant keeps the assumptions; it was verified." }
+        }
+        @if entry.verdict_only {
+            p { "Only the verdict was computed, because the contract is large." }
+        }
+        @if !entry.core.is_empty() {
+            h4 { "Guarantees that clash" }
+            (named_rules(&entry.core, specification.guarantees.all(), sources))
+        }
+        @if !entry.matters.is_empty() {
+            h4 { "Assumptions that matter" }
+            p { "Without any one of them, fewer guarantees would already clash." }
+            (named_rules(&entry.matters, specification.assumptions.all(), sources))
+        }
+        @if let (Some(play), Some(shown)) = (play, &entry.play) {
+            h4 { "A play that the plant wins" }
+            p { (ending(shown)) }
+            (parts::play(
+                &format!("a play that the plant wins against {}", contract.name),
+                specification,
+                &explained::steps(specification, play),
+                shown.repeats_from,
+            ))
+        }
+        @if !entry.suggestions.is_empty() {
+            h4 { "Changes that would make it realizable" }
+            (table_of("Changes", &["Change", "In place of", "Cost"], &html! { @for change in &entry.suggestions { tr {
+                td { code { (change.text) } }
+                td { (change.replaces.as_deref().unwrap_or("")) }
+                td { (change.cost) }
+            } } }))
+        }
+        @if let Some(counter) = &entry.counterstrategy {
+            p { "The counterstrategy has " (count(counter.states, "state")) "; " code { "linewright synth --counterstrategy --report FILE" } " shows it." }
+        }
+    }
+}
+
+/// How a play ends, in words.
+fn ending(play: &PlayEntry) -> String {
+    match (&play.never, play.clash.as_slice()) {
+        (Some(goal), _) => format!("The play goes on for ever, and `{goal}` never holds again."),
+        (None, []) => "The machine has no move in the last step.".to_owned(),
+        (None, [rule]) => format!("In the last step, no answer of the machine keeps `{rule}`."),
+        (None, rules) => format!(
+            "In the last step, no answer of the machine keeps all of these: {}.",
+            rules.join(", ")
+        ),
+    }
+}
+
+/// Rules by name, each with its formula and place.
+fn named_rules<'a>(
+    names: &[String],
+    formulas: impl Iterator<Item = &'a Formula>,
+    sources: &SourceMap,
+) -> Markup {
+    let formulas: Vec<&Formula> = formulas.collect();
+    let of = |name: &str| formulas.iter().find(|f| f.name == name);
+    table_of(
+        "Rules",
+        &["Rule", "Formula", "Place"],
+        &html! {
+            @for name in names { tr {
+                th scope="row" { (name) }
+                @if let Some(formula) = of(name) {
+                    td { code { (formula.text) } }
+                    td { (sources.file(formula.span.file).name) ":" (sources.start(formula.span).line) }
+                } @else { td {} td {} }
+            } }
+        },
+    )
+}
+
+fn skills(number: usize, entry: &SkillsEntry, sources: &SourceMap) -> Markup {
+    let inside = html! {
+        p { (count(entry.skills, "skill")) ", " (count(entry.rules, "rule")) "." }
+        (findings(sources, &entry.findings))
+    };
+    declaration(
+        &id("skills", number),
+        &entry.name,
+        &entry.file,
+        class_of_skills(entry),
+        &in_words(entry.verdict),
+        &inside,
+    )
+}
+
+fn machine(number: usize, entry: &MachineEntry, sources: &SourceMap) -> Markup {
+    let components = entry.components.iter();
+    let components =
+        components.map(|c| vec![c.name.clone(), c.contract.clone(), in_words(c.verdict)]);
+    let inside = html! {
+        (table(&["Component", "Contract", "Verdict"], &components.collect::<Vec<_>>()))
+        @if let Some(closed) = &entry.closed {
+            p {
+                "With the controllers that were synthesized, " (match closed.verdict {
+                    ClosedVerdict::Holds => "all obligations are met",
+                    ClosedVerdict::Broken => "a run violates an obligation",
+                    ClosedVerdict::Open => "some obligation is undecided, because a component is represented by its contract",
+                    ClosedVerdict::GaveUp => "the obligations were not decided within the limits",
+                })
+                @if let Some(states) = closed.states { "; their composition has " (states) " reachable states" }
+                "."
+            }
+        }
+        (discharges(&entry.discharges))
+        @for refined in &entry.refines {
+            h4 { "Refinement of " (refined.contract) }
+            p { (match refined.verdict {
+                RefinementVerdict::Refined => "The machine keeps this contract.",
+                RefinementVerdict::Broken => "The machine does not keep this contract; these obligations are discharged.",
+                RefinementVerdict::GaveUp => "Whether the machine keeps this contract was not decided within the limits.",
+            }) }
+            (discharges(&refined.discharges))
+        }
+        (findings(sources, &entry.findings))
+    };
+    declaration(
+        &id("machine", number),
+        &entry.name,
+        &entry.file,
+        class(entry.verdict),
+        &in_words(entry.verdict),
+        &inside,
+    )
+}
+
+/// How each assumption is discharged, and what this rests on.
+fn discharges(discharges: &[DischargeEntry]) -> Markup {
+    if discharges.is_empty() {
+        return html! {};
+    }
+    let rows = discharges.iter();
+    let rows = rows.map(|d| {
+        vec![
+            format!("{}: {}", d.component, d.assumption),
+            how(d),
+            d.by.clone(),
+        ]
+    });
+    html! {
+        details {
+            summary { "How each of " (discharges.len()) " assumptions and guarantees is discharged" }
+            (table(&["Assumption or guarantee", "Rule", "Rests on"], &rows.collect::<Vec<_>>()))
+        }
+    }
+}
+
+fn line(number: usize, entry: &LineEntry, sources: &SourceMap) -> Markup {
+    let work = entry.work.iter();
+    let work = work.map(|w| {
+        vec![
+            w.station.clone(),
+            w.part.clone(),
+            seconds(w.seconds),
+            seconds(w.action_seconds),
+            seconds(w.control_seconds),
+        ]
+    });
+    let inside = html! {
+        p { (match entry.proof {
+            Some(LineVerdict::Proved) => "It is proved that the line has no deadlock and that every part keeps moving, in every order in which parts can come, whatever the times are.",
+            Some(LineVerdict::Safe) => "It is proved that there is no global deadlock. Whether every part keeps moving was not decided.",
+            Some(LineVerdict::Open) => "The proof that every part keeps moving failed; the findings say why.",
+            Some(LineVerdict::GaveUp) => "The proof reached a limit: nothing is known.",
+            None => "There is no proof, because the line cannot be run.",
+        }) }
+        @if !entry.premises.is_empty() {
+            h4 { "Provided that" }
+            (table(&["Premise", "Text"], &entry.premises.iter().map(|p| vec![p.name.clone(), p.text.clone()]).collect::<Vec<_>>()))
+        }
+        @if !entry.undecided.is_empty() { p { "Not decided: " (entry.undecided.join(", ")) "." } }
+        @if !entry.not_controlled.is_empty() {
+            p { "These stations are given by their times. The proof takes for granted that their work ends: " (entry.not_controlled.join(", ")) "." }
+        }
+        @if !entry.work.is_empty() {
+            h4 { "Time of the work on a part, without failures" }
+            (table(&["Station", "Part", "Work", "Actions", "Control"], &work.collect::<Vec<_>>()))
+        }
+        (discharges(&entry.discharges))
+        (findings(sources, &entry.findings))
+    };
+    let verdict = match line_verdict(entry) {
+        "" => in_words(entry.verdict),
+        proof => format!("{}, {proof}", in_words(entry.verdict)),
+    };
+    declaration(
+        &id("line", number),
+        &entry.name,
+        &entry.file,
+        class_of_line(entry),
+        &verdict,
+        &inside,
+    )
+}
