@@ -295,7 +295,7 @@ impl Terminal<'_> {
         shown: impl Fn(&str) -> String,
     ) -> anyhow::Result<bool> {
         let ran = self.session.run(line);
-        if !line.is_empty() {
+        if !line.is_empty() && !line.starts_with('#') {
             let answer = ran
                 .as_ref()
                 .map_or_else(Clone::clone, |reply| reply.text.clone());

@@ -1,7 +1,8 @@
-//! Reports in a headless Chromium: no request, no error, nothing that axe-core finds, and all
-//! controls work.
+//! Pages in a headless Chromium: no request, no error, nothing that axe-core finds, and all controls
+//! work. A walk through a controller gives the values that `step` gives.
 
 use crate::support::{PROGRAM, programs, root, sandbox, skip};
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -85,6 +86,117 @@ fn reports_can_be_read_and_used_in_a_browser() {
             .arg(root().join("tests/program/browser/open.mjs"))
             .arg(modules)
             .args(pages),
+        Duration::from_mins(5),
+    );
+    assert!(opened.success, "{}", opened.all());
+    assert_eq!(opened.output, "", "{}", opened.errors);
+}
+
+/// Runs a command with an option that writes a page, and returns the path of the page.
+fn page(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    let path = folder.join(format!("{name}.html"));
+    let run = programs::run(
+        Command::new(PROGRAM)
+            .args(arguments)
+            .arg(&path)
+            .current_dir(folder),
+        Duration::from_mins(3),
+    );
+    assert!(path.is_file(), "{}", run.all());
+    path
+}
+
+#[test]
+fn pages_of_checks_and_plays_can_be_read_in_a_browser() {
+    let Some(modules) = modules() else { return };
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    let turn = "contracts/handling/turn.lw";
+    let pages = [
+        page(folder, "library", &["check", "contracts", "--report"]),
+        page(
+            folder,
+            "line",
+            &["check", "examples/ice-lab/line.lw", "--report"],
+        ),
+        page(
+            folder,
+            "clash",
+            &["check", "examples/repair-me", "--report"],
+        ),
+        page(
+            folder,
+            "play",
+            &["step", turn, "--script", "examples/step/turn.txt", "--html"],
+        ),
+    ];
+    let opened = programs::run(
+        Command::new("node")
+            .arg(root().join("tests/program/browser/open.mjs"))
+            .arg(modules)
+            .args(pages),
+        Duration::from_mins(5),
+    );
+    assert!(opened.success, "{}", opened.all());
+    assert_eq!(opened.output, "", "{}", opened.errors);
+}
+
+const ANSWER: &str = "contract Answer {
+    input request: bool
+    output running: bool
+
+    guarantee at_once: always (request -> running)
+    guarantee rest: always (running -> not next running)
+}
+";
+
+/// A controller with listed states, one as functions, a Moore machine, and counterstrategies of
+/// both endings: the walk in each page has the values that `step` has.
+#[test]
+fn a_walk_gives_the_values_of_step() {
+    let Some(modules) = modules() else { return };
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    let inspect = std::fs::read_to_string(root().join("contracts/handling/inspect.lw"));
+    let large = inspect.expect("a contract").replace("= 4)", "= 16)");
+    std::fs::write(folder.join("large.lw"), large).expect("a contract");
+    std::fs::write(folder.join("answer.lw"), ANSWER).expect("a contract");
+    let walked = [
+        ("table", "contracts/handling/turn.lw", false, 120),
+        ("functions", "large.lw", false, 60),
+        ("moore", "examples/ice-lab/coordinator.lw", false, 120),
+        ("clash", "answer.lw", true, 5),
+        ("starved", "examples/repair-me/2-hold.lw", true, 40),
+    ];
+    let mut arguments: Vec<PathBuf> = Vec::new();
+    for (name, contract, is_counter, steps) in walked {
+        let mut command = vec!["synth", contract];
+        command.extend(is_counter.then_some("--counterstrategy"));
+        command.push("--report");
+        arguments.push(page(folder, name, &command));
+        // Some moves of `step` are refused, so the last commands may give nothing.
+        let mut script = String::new();
+        for _ in 0..steps {
+            let _ = writeln!(script, "random 1");
+        }
+        let script_file = folder.join(format!("{name}.txt"));
+        std::fs::write(&script_file, script).expect("a script");
+        let played = programs::run(
+            Command::new(PROGRAM)
+                .args(["step", contract, "--format", "json", "--script"])
+                .arg(&script_file)
+                .current_dir(folder),
+            Duration::from_mins(3),
+        );
+        let steps = folder.join(format!("{name}.jsonl"));
+        std::fs::write(&steps, &played.output).expect("the steps");
+        arguments.push(steps);
+    }
+    let opened = programs::run(
+        Command::new("node")
+            .arg(root().join("tests/program/browser/walk.mjs"))
+            .arg(modules)
+            .args(arguments),
         Duration::from_mins(5),
     );
     assert!(opened.success, "{}", opened.all());

@@ -1,4 +1,4 @@
-//! Timing diagrams: the values of signals over steps, as SVG.
+//! TimingDiagram diagrams: the values of signals over steps, as SVG.
 
 use super::canvas::{Anchor, Canvas, LABEL_FONT, MARGIN, Shape, Text};
 use super::layers::{Point, Size};
@@ -32,7 +32,7 @@ const REPEATED: &str = "fill=\"lemonchiffon\"";
 
 /// A timing diagram.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Timing {
+pub struct TimingDiagram {
     /// Groups of signals with their titles, such as inputs and outputs.
     pub groups: Vec<(String, Vec<Signal>)>,
     /// Number of the first step.
@@ -65,14 +65,14 @@ pub enum Level {
 
 /// Draws a timing diagram and returns the SVG document. It is at most 1,600 units wide: if there
 /// are more steps than fit, the diagram goes on below.
-pub fn render(name: &str, timing: &Timing) -> String {
-    picture(timing, PAGE_WIDTH - 2.0 * MARGIN).document(name)
+pub fn render(name: &str, diagram: &TimingDiagram) -> String {
+    picture(diagram, PAGE_WIDTH - 2.0 * MARGIN).document(name)
 }
 
-fn picture(timing: &Timing, limit: f64) -> Canvas {
-    let signals = || timing.groups.iter().flat_map(|(_, signals)| signals);
+fn picture(diagram: &TimingDiagram, limit: f64) -> Canvas {
+    let signals = || diagram.groups.iter().flat_map(|(_, signals)| signals);
     let names = signals().map(|signal| text::width(&signal.name, LABEL_FONT, false));
-    let titles = timing.groups.iter();
+    let titles = diagram.groups.iter();
     let titles = titles.map(|(title, _)| text::width(title, LABEL_FONT, true));
     let left = (names.chain(titles).fold(0.0, f64::max) + 12.0).min(limit / 2.0);
     let room = signals()
@@ -85,10 +85,10 @@ fn picture(timing: &Timing, limit: f64) -> Canvas {
     let in_row = (((limit - left) / step).floor() as usize).max(1);
     let mut canvas = Canvas::default();
     let mut from = 0;
-    while from < timing.steps {
-        let to = (from + in_row).min(timing.steps);
+    while from < diagram.steps {
+        let to = (from + in_row).min(diagram.steps);
         let part = Part {
-            timing,
+            diagram,
             from,
             to,
             left,
@@ -97,8 +97,8 @@ fn picture(timing: &Timing, limit: f64) -> Canvas {
         canvas.add_below(GAP, part.drawn());
         from = to;
     }
-    if let Some(from) = timing.repeats_from.filter(|from| *from < timing.steps) {
-        let (from, last) = (timing.first + from, timing.first + timing.steps - 1);
+    if let Some(from) = diagram.repeats_from.filter(|from| *from < diagram.steps) {
+        let (from, last) = (diagram.first + from, diagram.first + diagram.steps - 1);
         let steps = if from == last {
             format!("Step {from} repeats for ever.")
         } else {
@@ -123,7 +123,7 @@ fn runs(values: &[Level]) -> Vec<(&Level, usize, usize)> {
 
 /// Some steps of a diagram, which fit beside each other.
 struct Part<'a> {
-    timing: &'a Timing,
+    diagram: &'a TimingDiagram,
     from: usize,
     to: usize,
     /// Where the first step begins.
@@ -135,11 +135,11 @@ struct Part<'a> {
 impl Part<'_> {
     fn drawn(&self) -> Canvas {
         let titles = self
-            .timing
+            .diagram
             .groups
             .iter()
             .filter(|(title, _)| !title.is_empty());
-        let signals = self.timing.groups.iter().map(|(_, signals)| signals.len());
+        let signals = self.diagram.groups.iter().map(|(_, signals)| signals.len());
         let rows = titles.count() + signals.sum::<usize>();
         let mut canvas = Canvas {
             size: Size {
@@ -150,7 +150,7 @@ impl Part<'_> {
         };
         self.grid(&mut canvas);
         let mut y = HEADING;
-        for (title, signals) in &self.timing.groups {
+        for (title, signals) in &self.diagram.groups {
             if !title.is_empty() {
                 canvas.write(0.0, y + ROW / 2.0 + 4.0, true, title);
                 y += ROW;
@@ -176,7 +176,7 @@ impl Part<'_> {
     /// Lines between the steps with their numbers; steps that repeat have a background.
     fn grid(&self, canvas: &mut Canvas) {
         let bottom = canvas.size.height;
-        if let Some(repeated) = self.timing.repeats_from.filter(|from| *from < self.to) {
+        if let Some(repeated) = self.diagram.repeats_from.filter(|from| *from < self.to) {
             let x = self.x(repeated.max(self.from));
             let size = Size {
                 width: self.x(self.to) - x,
@@ -188,7 +188,7 @@ impl Part<'_> {
         }
         // A number has room if it is narrower than the steps that it stands for.
         let widest = text::width(
-            &(self.timing.first + self.to).to_string(),
+            &(self.diagram.first + self.to).to_string(),
             LABEL_FONT,
             false,
         );
@@ -206,7 +206,7 @@ impl Part<'_> {
                     anchor: Anchor::Middle,
                     font: LABEL_FONT,
                     is_bold: false,
-                    content: (self.timing.first + step).to_string(),
+                    content: (self.diagram.first + step).to_string(),
                 }));
             }
         }
@@ -292,8 +292,8 @@ mod tests {
         }
     }
 
-    fn timing(signals: Vec<Signal>, steps: usize, repeats_from: Option<usize>) -> Timing {
-        Timing {
+    fn timing(signals: Vec<Signal>, steps: usize, repeats_from: Option<usize>) -> TimingDiagram {
+        TimingDiagram {
             groups: vec![("Inputs".to_owned(), signals)],
             first: 0,
             steps,

@@ -21,6 +21,7 @@
 //! own, and its justice whenever the environment's justice holds. It must have an answer to every
 //! initial choice that the environment is allowed to make.
 
+pub mod diagram;
 pub mod eval;
 mod expr;
 pub mod interval;

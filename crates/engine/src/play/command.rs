@@ -67,6 +67,7 @@ reset                       take back all steps
 random [N]                  make a random legal move, or N of them
 save FILE                   write the moves to a file that `replay` and --script read
 save test FILE              also write `expect` lines: replaying fails if a value differs
+save FILE.svg               write the steps so far as a timing diagram
 replay FILE                 run the commands in a file
 expect name = value         fail unless the last step has these values
 help                        show this text

@@ -6,7 +6,8 @@ use super::opponent::{Opponent, Position};
 use super::show;
 use super::values::{listed, resolve, shown_variables};
 use super::why::{RulePrinter, Verdict, verdict, verdict_of_leaving};
-use linewright_core::gr1::{Owner, Specification, VarId};
+use linewright_core::drawing::timing;
+use linewright_core::gr1::{Owner, Specification, VarId, diagram};
 use linewright_core::source::SourceMap;
 use serde_json::{Value, json};
 
@@ -119,7 +120,10 @@ impl<'a> Session<'a> {
             Command::Nothing => effect(Effect::Nothing),
             Command::Quit => effect(Effect::Quit),
             Command::Replay(file) => effect(Effect::Replay(file)),
-            Command::Save { test, file } => effect(Effect::Save(file, self.script(test))),
+            Command::Save { test, file } => {
+                let text = self.saved(test, &file);
+                effect(Effect::Save(file, text))
+            }
             Command::Help => said(HELP.to_owned()),
             Command::State => said(show::state(self)),
             Command::Moves => said(show::moves(self)),
@@ -446,6 +450,20 @@ impl<'a> Session<'a> {
             self.steps.len() - 1,
             listed(self.specification, &found)
         ))
+    }
+
+    /// The play so far for a file: a timing diagram if its name ends in `.svg`, else a script.
+    fn saved(&self, test: bool, file: &str) -> String {
+        if !std::path::Path::new(file)
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+        {
+            return self.script(test);
+        }
+        let known = |step: &Vec<i64>| step.iter().copied().map(Some).collect();
+        let steps: Vec<Vec<Option<i64>>> = self.steps.iter().map(known).collect();
+        let diagram = diagram::of_steps(self.specification, &steps, None);
+        timing::render(&self.specification.name, &diagram)
     }
 
     /// The moves so far as a script; with `test`, also the opponent's values as expectations.

@@ -1,8 +1,8 @@
 //! Parts of pages that show a contract: its interface, its rules, and plays as timing diagrams.
 
 use super::parts::{behind, drawing, table, table_of};
-use linewright_core::drawing::timing::{self, Level, Signal, Timing};
-use linewright_core::gr1::{Domain, FormulaKind, Owner, Specification, VarId, Variable};
+use linewright_core::drawing::timing::{self, Level};
+use linewright_core::gr1::{FormulaKind, Owner, Specification, VarId, Variable, diagram};
 use linewright_core::source::SourceMap;
 use linewright_core::taxonomy;
 use linewright_language::contract::Contract;
@@ -107,11 +107,12 @@ pub fn play(
     steps: &[Vec<Option<i64>>],
     repeats_from: Option<usize>,
 ) -> Markup {
-    let (timing, shown) = diagram(specification, steps, repeats_from);
+    let shown = steps.len().min(MAX_STEPS);
+    let diagram = diagram::of_steps(specification, &steps[..shown], repeats_from);
     let mut headings = vec!["Signal".to_owned()];
     headings.extend((0..shown).map(|step| format!("Step {step}")));
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    let signals = timing.groups.iter().flat_map(|(_, signals)| signals);
+    let signals = diagram.groups.iter().flat_map(|(_, signals)| signals);
     let rows = signals.map(|signal| {
         let values = signal.values.iter().map(|level| match level {
             Level::Bit(is_high) => is_high.to_string(),
@@ -122,53 +123,8 @@ pub fn play(
     });
     let rows: Vec<Vec<String>> = rows.collect();
     html! {
-        (drawing(&timing::render(title, &timing), &format!("Timing diagram: {title}. Its values are in the table below.")))
+        (drawing(&timing::render(title, &diagram), &format!("Timing diagram: {title}. Its values are in the table below.")))
         @if shown < steps.len() { p.hint { "The first " (shown) " of " (steps.len()) " steps." } }
         (behind(&headings, &rows))
-    }
-}
-
-/// Steps of a play as a timing diagram, and how many of them it shows.
-fn diagram(
-    specification: &Specification,
-    steps: &[Vec<Option<i64>>],
-    repeats_from: Option<usize>,
-) -> (Timing, usize) {
-    let shown = steps.len().min(MAX_STEPS);
-    let group = |name: &str, of: &dyn Fn(&Variable) -> bool| {
-        let variables = specification.variables.iter().enumerate();
-        let wanted = variables
-            .filter(|(index, v)| of(v) && !specification.is_auxiliary(VarId(*index as u32)));
-        let signals = wanted.map(|(index, variable)| Signal {
-            name: variable.name.clone(),
-            values: steps[..shown]
-                .iter()
-                .map(|step| level(variable, step[index]))
-                .collect(),
-        });
-        (name.to_owned(), signals.collect::<Vec<_>>())
-    };
-    let is_input = |v: &Variable| v.owner == Owner::Environment;
-    let groups = vec![
-        group("Inputs", &is_input),
-        group("Outputs", &|v| !is_input(v)),
-    ];
-    let timing = Timing {
-        groups: groups
-            .into_iter()
-            .filter(|(_, signals)| !signals.is_empty())
-            .collect(),
-        first: 0,
-        steps: shown,
-        repeats_from,
-    };
-    (timing, shown)
-}
-
-fn level(variable: &Variable, value: Option<i64>) -> Level {
-    match (value, &variable.domain) {
-        (None, _) => Level::Unknown,
-        (Some(value), Domain::Bool) => Level::Bit(value != 0),
-        (Some(value), _) => Level::Word(variable.show(value)),
     }
 }

@@ -255,6 +255,30 @@
     why();
   }
 
+  // A legal move within one of the cubes: the chosen values, changed as little as necessary, or else others, found by trying. If none is found,
+  // the first, which is then refused with its reason.
+  function within(cubes) {
+    const clamped = (cube, moved) => {
+      for (const [input, low, high] of cube) moved[input] = Math.min(Math.max(moved[input], low), high);
+      return moved;
+    };
+    for (const cube of cubes) {
+      const moved = clamped(cube, chosen());
+      if (consider(moved).answer) return moved;
+    }
+    for (let attempt = 0; attempt < 500; attempt++) {
+      const moved = clamped(cubes[attempt % cubes.length], anything());
+      if (consider(moved).answer) return moved;
+    }
+    return clamped(cubes[0], chosen());
+  }
+
+  // Random values of the reader's variables.
+  const anything = () => own.map((index) => {
+    const { low, high } = variables[index];
+    return low + Math.floor(Math.random() * (high - low + 1));
+  });
+
   // The transitions from here; one can be taken with the chosen values, changed as little as necessary.
   function choices(position) {
     const target = byId("choices");
@@ -276,9 +300,7 @@
       button.type = "button";
       button.setAttribute("aria-label", `Take move ${number + 1}`);
       button.addEventListener("click", () => {
-        const moved = chosen();
-        for (const [input, low, high] of cubes[0]) moved[input] = Math.min(Math.max(moved[input], low), high);
-        choose(moved);
+        choose(within(cubes));
         go();
       });
       const cell = make("td");
@@ -322,10 +344,7 @@
   byId("random").addEventListener("click", () => {
     // A move that the rules allow is found by trying.
     for (let attempt = 0; attempt < 2000; attempt++) {
-      const moved = own.map((index) => {
-        const { low, high } = variables[index];
-        return low + Math.floor(Math.random() * (high - low + 1));
-      });
+      const moved = anything();
       if (consider(moved).answer) {
         choose(moved);
         return go();
