@@ -2,6 +2,7 @@
 
 mod canvas;
 pub mod dot;
+pub mod fold;
 mod layered;
 pub mod layers;
 mod legend;

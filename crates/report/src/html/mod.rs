@@ -7,7 +7,6 @@
 
 mod charts;
 mod data;
-mod fold;
 mod numbers;
 mod packed;
 mod picture;
