@@ -1,5 +1,6 @@
 //! Labelled state graphs as Graphviz text and as pictures. The callers decide what the graphs show.
 
+mod blocks;
 mod canvas;
 pub mod dot;
 pub mod fold;
@@ -12,12 +13,52 @@ mod table;
 mod text;
 
 /// States and edges with their labels, independent of the output format.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Graph {
     /// Label of each state, as lines.
     pub states: Vec<Vec<String>>,
     /// Edges, including those that lead to the initial states.
     pub edges: Vec<Edge>,
+    /// How each state looks in SVG; [`BoxStyle::State`] for those that are not listed.
+    pub styles: Vec<BoxStyle>,
+    /// Frames around states in SVG.
+    pub frames: Vec<Frame>,
+}
+
+impl Graph {
+    /// Returns how a state looks.
+    fn style(&self, state: usize) -> BoxStyle {
+        self.styles.get(state).copied().unwrap_or_default()
+    }
+}
+
+/// How a state, or what takes its place in other graphs, looks in SVG.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BoxStyle {
+    /// State of an automaton.
+    #[default]
+    State,
+    /// Component of a machine that decides what the others do: with a double border.
+    Coordinator,
+    /// Component of a machine, or place of a line: with sharp corners.
+    Block,
+    /// Component of a machine that only observes: with a dashed border.
+    Observer,
+    /// Beginning or end of what the graph shows: with round ends.
+    Terminal,
+    /// Conveyor, with marks between so many places.
+    Conveyor(u32),
+}
+
+/// A frame around some of the states, such as the components of an inner machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Frame {
+    /// Title shown in the frame.
+    pub title: String,
+    /// Index of the frame around it; a frame follows the one around it.
+    pub parent: Option<usize>,
+    /// The states in it that are not in a frame within it.
+    pub states: Vec<usize>,
 }
 
 /// An edge of a [`Graph`].

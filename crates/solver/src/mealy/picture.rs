@@ -62,7 +62,11 @@ pub fn to_graph(machine: &Machine) -> Graph {
             edges.push(Edge { from, to, label });
         }
     }
-    Graph { states, edges }
+    Graph {
+        states,
+        edges,
+        ..Graph::default()
+    }
 }
 
 /// Returns the graph in Graphviz's language.
