@@ -26,6 +26,47 @@ pub struct Graph {
 }
 
 impl Graph {
+    /// Returns the part of the graph with the states that at most so many edges separate from a
+    /// state, in either direction, and the edges between them. Frames are left out.
+    #[must_use]
+    pub fn around(&self, state: usize, steps: usize) -> Self {
+        let mut is_near = vec![false; self.states.len()];
+        is_near[state] = true;
+        for _ in 0..steps {
+            let mut wider = is_near.clone();
+            for edge in &self.edges {
+                let ends = edge.from.into_iter().chain([edge.to]);
+                if ends.clone().any(|end| is_near[end]) {
+                    ends.for_each(|end| wider[end] = true);
+                }
+            }
+            is_near = wider;
+        }
+        let kept: Vec<usize> = (0..self.states.len()).filter(|s| is_near[*s]).collect();
+        let number = |state: usize| kept.binary_search(&state).ok();
+        let edges = self.edges.iter().filter_map(|edge| {
+            let from = match edge.from {
+                None => None,
+                Some(from) => Some(number(from)?),
+            };
+            let to = number(edge.to)?;
+            let label = edge.label.clone();
+            Some(Edge { from, to, label })
+        });
+        Self {
+            states: kept
+                .iter()
+                .map(|state| self.states[*state].clone())
+                .collect(),
+            styles: kept
+                .iter()
+                .filter_map(|state| self.styles.get(*state).copied())
+                .collect(),
+            edges: edges.collect(),
+            frames: Vec::new(),
+        }
+    }
+
     /// Returns how a state looks.
     fn style(&self, state: usize) -> BoxStyle {
         self.styles.get(state).copied().unwrap_or_default()
