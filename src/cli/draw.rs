@@ -79,8 +79,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut written = Results::default();
     for (contract, checked) in controllers(&contracts, &loaded, options) {
         if let Some((name, machine)) = automaton(contract, &checked, &mut findings) {
+            let is_own = checked.verdict == Verdict::Realizable;
             let text = match &arguments.around {
-                None => mealy::picture::to_svg(machine),
+                None => {
+                    let specification = Some(&*contract.specification).filter(|_| is_own);
+                    mealy::picture::to_svg(machine, specification)
+                }
                 Some(state) => around(machine, state, arguments.steps.into())?,
             };
             let files = vec![(file_name(&name, "svg"), text)];
@@ -183,7 +187,7 @@ fn automaton<'c>(
 
 /// Draws the part of a machine that is close to a state.
 fn around(machine: &mealy::Machine, state: &str, steps: usize) -> anyhow::Result<String> {
-    let graph = mealy::picture::to_graph(machine);
+    let graph = mealy::picture::to_graph(machine, &[]);
     let named = |label: &Vec<String>| label.first().is_some_and(|name| name == state);
     let Some(center) = graph.states.iter().position(named) else {
         let last = graph.states.len().saturating_sub(1);

@@ -223,7 +223,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 let name = format!("{}.counterstrategy", contract.name);
                 let text = match emit {
                     Emit::Dot => mealy::picture::to_dot(machine),
-                    Emit::Svg => mealy::picture::to_svg(machine),
+                    Emit::Svg => mealy::picture::to_svg(machine, None),
                     _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
                 };
                 let files = vec![(file_name(&name, emit.ending()), text)];
@@ -360,7 +360,7 @@ fn write(
             mealy::gr1c::to_json(machine, specification).map_err(too_large)?
         ),
         Emit::Dot => mealy::picture::to_dot(machine),
-        Emit::Svg => mealy::picture::to_svg(machine),
+        Emit::Svg => mealy::picture::to_svg(machine, Some(specification)),
         _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
     })
 }

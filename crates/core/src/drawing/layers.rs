@@ -205,6 +205,8 @@ pub fn place_in_frames(
             points: if points.len() < 2 {
                 vec![centers[link.from], centers[link.to]]
             } else {
+                let ends = [link.from, link.to].map(|end| (centers[end], boxes[end]));
+                let points = between_sides(points, ends, direction);
                 through_label(points, label, link.label, direction)
             },
             label,
@@ -226,6 +228,56 @@ pub fn place_in_frames(
         frames: placed_frames,
     };
     moved_to_origin(boxes, links, placement)
+}
+
+/// How far from the middle of a side a link ends that would end at a corner or beyond it, in
+/// proportion to half the side.
+const CORNER: f64 = 0.6;
+
+/// Moves the ends of a link to the sides of its boxes that face the neighboring layers. From the
+/// other sides, a steep link would cross the next boxes of the same layer.
+fn between_sides(
+    mut points: Vec<Point>,
+    [start, end]: [(Point, Size); 2],
+    direction: Direction,
+) -> Vec<Point> {
+    let last = points.len() - 1;
+    points[0] = facing(points[0], points[1], start, direction);
+    points[last] = facing(points[last], points[last - 1], end, direction);
+    points
+}
+
+/// The point at which a link leaves a box for the point `next`, instead of `at`.
+fn facing(at: Point, next: Point, (center, size): (Point, Size), direction: Direction) -> Point {
+    // `along` runs from layer to layer.
+    let along = |at: Point| match direction {
+        Direction::Down => at.y - center.y,
+        Direction::Right => at.x - center.x,
+    };
+    let across = |at: Point| match direction {
+        Direction::Down => at.x - center.x,
+        Direction::Right => at.y - center.y,
+    };
+    let (half, half_side) = match direction {
+        Direction::Down => (size.height / 2.0, size.width / 2.0),
+        Direction::Right => (size.width / 2.0, size.height / 2.0),
+    };
+    let is_beyond = along(next).abs() > half;
+    if !is_beyond || along(at).abs() >= half - 0.1 && across(at).abs() <= CORNER * half_side {
+        return at;
+    }
+    let (side, corner) = (half.copysign(along(next)), CORNER * half_side);
+    let corner = across(at).clamp(-corner, corner);
+    match direction {
+        Direction::Down => Point {
+            x: center.x + corner,
+            y: center.y + side,
+        },
+        Direction::Right => Point {
+            x: center.x + side,
+            y: center.y + corner,
+        },
+    }
 }
 
 /// Makes a link straight where it passes its label, so that a smooth curve passes its center.

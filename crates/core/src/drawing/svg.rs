@@ -91,12 +91,17 @@ fn framed(region: &Region, limit: f64) -> Canvas {
     canvas
 }
 
-/// Draws a graph within a width in SVG units.
+/// Draws a graph within a width in SVG units. If its frames do not fit, their titles stand in the
+/// states.
 fn picture(graph: &Graph, limit: f64) -> Canvas {
     let reason = match in_layers(graph, Form::Layers, limit) {
         Ok(canvas) => return canvas,
         Err(reason) => reason,
     };
+    let graph = &without_frames(graph);
+    if let Ok(canvas) = in_layers(graph, Form::Layers, limit) {
+        return canvas;
+    }
     let outline = Outline::new(graph);
     if outline.is_useful(graph)
         && let Ok(drawn) = in_layers(&outline.graph, Form::Layers, limit)
@@ -108,6 +113,19 @@ fn picture(graph: &Graph, limit: f64) -> Canvas {
         return canvas;
     }
     table::draw(graph, &outline, &reason, limit)
+}
+
+/// Appends the titles of the frames to the headings of their states in place of the frames.
+fn without_frames(graph: &Graph) -> Graph {
+    let mut plain = graph.clone();
+    for frame in std::mem::take(&mut plain.frames) {
+        for state in frame.states {
+            if let Some(heading) = plain.states[state].first_mut() {
+                *heading = format!("{heading} {}", frame.title);
+            }
+        }
+    }
+    plain
 }
 
 /// Draws a graph as it is, if its labels can be made narrow enough for the width.
