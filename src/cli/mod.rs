@@ -11,6 +11,7 @@ pub mod completions;
 pub mod console;
 pub mod din;
 pub mod doctor;
+pub mod draw;
 pub mod exit;
 pub mod explain;
 pub mod fmt;
@@ -23,6 +24,7 @@ pub mod page;
 pub mod picked;
 pub mod profiles;
 pub mod proof;
+pub mod results;
 pub mod run;
 pub mod schema;
 pub mod select;
@@ -63,6 +65,8 @@ pub enum Command {
     Check(check::Arguments),
     /// Synthesize a controller from a contract
     Synth(synth::Arguments),
+    /// Draw controllers, machines and lines as SVG
+    Draw(draw::Arguments),
     /// Play a contract step by step, against its controller or its counterstrategy
     Step(step::Arguments),
     /// Build the station libraries of machines
@@ -178,6 +182,7 @@ impl Command {
         match self {
             Self::Check(_)
             | Self::Synth(_)
+            | Self::Draw(_)
             | Self::Build(_)
             | Self::Run(_)
             | Self::Compose(_)
@@ -203,6 +208,7 @@ impl Command {
         match self {
             Self::Check(_) => "check",
             Self::Synth(_) => "synth",
+            Self::Draw(_) => "draw",
             Self::Step(_) => "step",
             Self::Build(_) => "build",
             Self::Run(_) => "run",
@@ -230,6 +236,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     match &arguments.command {
         Command::Check(a) => check::run(a, options),
         Command::Synth(a) => synth::run(a, options),
+        Command::Draw(a) => draw::run(a, options),
         Command::Step(a) => step::run(a, options),
         Command::Build(a) => build::run(a, options),
         Command::Run(a) => run::run(a, options),

@@ -224,7 +224,7 @@ pub fn find(name: &str) -> Option<Described> {
 }
 
 /// Documents that are not defined next to a command.
-const OWN: [Described; 12] = [
+const OWN: [Described; 13] = [
     Described::new(
         "completions",
         "Why `completions` has no result",
@@ -234,6 +234,11 @@ const OWN: [Described; 12] = [
         "functions",
         "A symbolic controller: `synth --emit json` of a large contract",
         &[|generator| by_hand(mealy::functions::SCHEMA, generator)],
+    ),
+    Described::new(
+        "draw",
+        "Why `draw` has no result",
+        &[form::<console::Failed>],
     ),
     Described::new(
         "import",

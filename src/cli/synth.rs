@@ -4,10 +4,12 @@
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::page::{self, PageFile};
+use super::results::{Results, file_name};
 use super::select::Selection;
-use crate::diagnostics::{Diagnostic, codes, has_errors};
+use crate::contract::Contract;
+use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::controller::ExtractionOptions;
-use crate::engine::output;
+use crate::engine::files::LoadedFiles;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Verdict};
 use crate::game::{Limit, Preference};
 use crate::gr1::Specification;
@@ -16,9 +18,8 @@ use crate::mealy;
 use crate::report::html::controller::{self, Opponent};
 use crate::source::Span;
 use crate::station::emit::controller as c_files;
-use crate::station::{is_windows_device, structured_text};
+use crate::station::structured_text;
 use clap::{Args, ValueEnum};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The arguments of `synth`.
@@ -192,9 +193,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     let files: usize = forms.iter().map(|e| e.files()).sum();
     let results = contracts.len() * files;
-    if results > 1 && arguments.out.is_none() {
-        anyhow::bail!("there are {results} results: give an output folder with --out DIR");
-    }
+    Results::check_count(results, arguments.out.as_deref())?;
 
     let mut findings = loaded.findings.clone();
     let mut written = Results::default();
@@ -220,16 +219,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         functions: controllers
             .iter()
             .all(|e| matches!(e, Emit::Json | Emit::C | Emit::St | Emit::Plcopen)),
+        drawn: page_file.is_none()
+            && controllers
+                .iter()
+                .all(|e| matches!(e, Emit::Dot | Emit::Svg)),
     });
     let mut indices: Vec<usize> = Vec::new();
     if !controllers.is_empty() || page_file.is_some() {
-        indices.extend(contracts.iter().map(|c| match loaded.foreign(c.span.file) {
-            Some(foreign) => {
-                let reading = &foreign.reading;
-                jobs.add_foreign(&c.specification, c.span, Goal::Controller, reading)
-            }
-            None => jobs.add(&c.specification, c.span),
-        }));
+        indices.extend(contracts.iter().map(|c| request(&mut jobs, &loaded, c)));
     }
     let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"));
     if arguments.stats {
@@ -252,7 +249,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 let name = format!("{}.counterstrategy", contract.name);
                 let text = match emit {
                     Emit::Dot => mealy::picture::to_dot(machine),
-                    Emit::Svg => mealy::picture::to_svg(machine),
+                    Emit::Svg => mealy::picture::to_svg(machine, None),
                     _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
                 };
                 let files = vec![(file_name(&name, emit.ending()), text)];
@@ -285,23 +282,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         };
         code = file.write(&controller::page(&page), console, &library.sources)?;
     }
-    if let Some(folder) = &arguments.out {
-        for (name, text) in &written.files {
-            let path = folder.join(name);
-            match output::write(&path, text, &loaded.places) {
-                Ok(()) => console.remark(&format!("wrote {}\n", path.display()))?,
-                Err(finding) => findings.push(*finding),
-            }
-        }
-    } else if let [(_, text)] = written.files.as_slice() {
-        console.result(text)?;
-    }
-    if has_errors(&findings) && (written.files.is_empty() || arguments.out.is_some()) {
-        console.failed("synth", &library.sources, &findings)?;
-    } else {
-        console.findings(&library.sources, &findings)?;
-    }
-    Ok(options.exit_code(&findings).and(code))
+    let written = written.finish(
+        "synth",
+        arguments.out.as_deref(),
+        &loaded,
+        findings,
+        options,
+    )?;
+    Ok(written.and(code))
 }
 
 /// What a report shows: the controller, or the counterstrategy; `None` if there is none.
@@ -317,7 +305,7 @@ fn opponent(checked: &CheckedContract, counterstrategy: bool) -> Option<Opponent
 
 /// The counterstrategy of an unrealizable contract; if it is missing, adds a finding with the
 /// reason.
-fn counterstrategy<'c>(
+pub(super) fn counterstrategy<'c>(
     checked: &'c CheckedContract,
     span: Span,
     findings: &mut Vec<Diagnostic>,
@@ -338,44 +326,13 @@ fn counterstrategy<'c>(
     found
 }
 
-/// Files to be written.
-#[derive(Default)]
-struct Results {
-    /// Names and texts of the files.
-    files: Vec<(String, String)>,
-    /// Contract of each file, by the file's name in lower case: some file systems ignore case.
-    owners: BTreeMap<String, String>,
-}
-
-impl Results {
-    /// Adds files of a contract. If one has the name of a file that was already added, adds none
-    /// and returns a finding (LW504).
-    fn add(
-        &mut self,
-        contract: &str,
-        span: Span,
-        files: Vec<(String, String)>,
-    ) -> Option<Diagnostic> {
-        for (name, _) in &files {
-            if let Some(other) = self.owners.get(&name.to_lowercase()) {
-                let message = format!("`{other}` and `{contract}` would both be written to {name}");
-                let help = "rename one contract, or write each into a folder of its own: FILE::NAME --out DIR";
-                let finding = Diagnostic::error(codes::OUTPUT_UNWRITABLE, span, message);
-                return Some(finding.with_help(help));
-            }
-        }
-        for (name, _) in &files {
-            self.owners.insert(name.to_lowercase(), contract.to_owned());
-        }
-        self.files.extend(files);
-        None
+/// Requests the controller of a contract; returns the index of the job.
+pub(super) fn request(jobs: &mut Jobs, loaded: &LoadedFiles, contract: &Contract) -> usize {
+    let (specification, span) = (&contract.specification, contract.span);
+    match loaded.foreign(span.file) {
+        Some(foreign) => jobs.add_foreign(specification, span, Goal::Controller, &foreign.reading),
+        None => jobs.add(specification, span),
     }
-}
-
-/// Creates a file name that is valid on every system.
-fn file_name(name: &str, ending: &str) -> String {
-    let mark = if is_windows_device(name) { "_" } else { "" };
-    format!("{name}{mark}.{ending}")
 }
 
 /// The names and texts of a controller's files in one form.
@@ -453,7 +410,7 @@ fn write(
             mealy::gr1c::to_json(machine, specification).map_err(too_large)?
         ),
         Emit::Dot => mealy::picture::to_dot(machine),
-        Emit::Svg => mealy::picture::to_svg(machine),
+        Emit::Svg => mealy::picture::to_svg(machine, Some(specification)),
         _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
     })
 }

@@ -64,6 +64,7 @@ pub fn controller(specification: &Specification) -> Machine {
         outputs,
         initial,
         states,
+        goals: Vec::new(),
     }
 }
 

@@ -30,6 +30,9 @@ pub struct ExtractionOptions {
     pub preference: Preference,
     /// Whether functions are acceptable instead of a large machine.
     pub functions: bool,
+    /// Whether the machine is only drawn. Then a large one, of which nobody would see anything, is
+    /// given up with [`Limit::Size`].
+    pub drawn: bool,
 }
 
 /// Outcome of the extraction.
@@ -63,7 +66,13 @@ pub fn controller(
         preference: options.preference,
         seconds,
     };
-    let made = if !options.functions {
+    let made = if options.drawn && !options.functions {
+        let bounded = limits.with_budget_after(won.work(), Budget::LISTING);
+        match work.machine(&bounded) {
+            Err(Limit::Memory | Limit::Nodes(_) | Limit::Work(_)) => Err(Limit::Size),
+            done => done,
+        }
+    } else if !options.functions {
         work.machine(limits)
     } else if won.peak_nodes > MACHINE_PEAK_NODES || pairs > MACHINE_PAIRS {
         work.functions(limits)

@@ -67,6 +67,7 @@ pub mod log;
 pub mod metric;
 pub mod monitor;
 pub mod mser;
+pub mod picture;
 mod plant;
 pub mod random;
 pub mod replicate;

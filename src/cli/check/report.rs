@@ -7,14 +7,19 @@ use super::document::{
 };
 use super::explained;
 use super::table::{count, how, in_words, line_verdict, seconds, summary_of_verdicts, term};
-use crate::contract::Contract;
+use crate::contract::line::Line;
+use crate::contract::machine::Machine;
+use crate::contract::{Contract, picture as machine_picture};
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::{ClosedVerdict, RefinementVerdict};
 use crate::engine::pipeline::{CheckedContract, Verdict};
 use crate::engine::words::DischargeEntry;
 use crate::gr1::Formula;
+use crate::line::picture as line_picture;
 use crate::report::html::contract::Rank;
-use crate::report::html::parts::{Origin, findings, links, origin, section, table, table_of, tile};
+use crate::report::html::parts::{
+    Origin, drawing, findings, links, origin, section, table, table_of, tile,
+};
 use crate::report::html::{self, contract as parts};
 use crate::source::SourceMap;
 use maud::{Markup, html};
@@ -55,12 +60,12 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
             }
             @if !document.machines.is_empty() {
                 (section("machines", "Machines", &html! {
-                    @for (number, entry) in document.machines.iter().enumerate() { (machine(number, entry, of.sources)) }
+                    @for (number, entry) in document.machines.iter().enumerate() { (machine(assembly, number, entry, of.sources)) }
                 }))
             }
             @if !document.lines.is_empty() {
                 (section("lines", "Lines", &html! {
-                    @for (number, entry) in document.lines.iter().enumerate() { (line(number, entry, of.sources)) }
+                    @for (number, entry) in document.lines.iter().enumerate() { (line(assembly, number, entry, of.sources)) }
                 }))
             }
             // The findings are with what they are about.
@@ -363,11 +368,22 @@ fn skills(number: usize, entry: &SkillsEntry, sources: &SourceMap) -> Markup {
     )
 }
 
-fn machine(number: usize, entry: &MachineEntry, sources: &SourceMap) -> Markup {
+fn machine(
+    assembly: &Assembly<'_>,
+    number: usize,
+    entry: &MachineEntry,
+    sources: &SourceMap,
+) -> Markup {
     let components = entry.components.iter();
     let components =
         components.map(|c| vec![c.name.clone(), c.contract.clone(), in_words(c.verdict)]);
+    let library = &assembly.loaded.library;
+    let is_same =
+        |m: &&Machine| m.name == entry.name && sources.file(m.span.file).name == entry.file;
     let inside = html! {
+        @if let Some(known) = library.machines.iter().find(is_same) {
+            (drawing(&machine_picture::to_svg(known), &format!("Components of {} with their wires", entry.name)))
+        }
         (table(&["Component", "Contract", "Verdict"], &components.collect::<Vec<_>>()))
         @if let Some(closed) = &entry.closed {
             p {
@@ -424,7 +440,7 @@ fn discharges(discharges: &[DischargeEntry]) -> Markup {
     }
 }
 
-fn line(number: usize, entry: &LineEntry, sources: &SourceMap) -> Markup {
+fn line(assembly: &Assembly<'_>, number: usize, entry: &LineEntry, sources: &SourceMap) -> Markup {
     let work = entry.work.iter();
     let work = work.map(|w| {
         vec![
@@ -435,7 +451,12 @@ fn line(number: usize, entry: &LineEntry, sources: &SourceMap) -> Markup {
             seconds(w.control_seconds),
         ]
     });
+    let library = &assembly.loaded.library;
+    let is_same = |l: &&Line| l.name == entry.name && sources.file(l.span.file).name == entry.file;
     let inside = html! {
+        @if let Some(known) = library.lines.iter().find(is_same) {
+            (drawing(&line_picture::to_svg(known, sources), &format!("Places of {} with their routes", entry.name)))
+        }
         p { (match entry.proof {
             Some(LineVerdict::Proved) => "It is proved that the line has no deadlock and that every part keeps moving, in every order in which parts can come, whatever the times are.",
             Some(LineVerdict::Safe) => "It is proved that there is no global deadlock. Whether every part keeps moving was not decided.",

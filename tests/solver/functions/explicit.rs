@@ -50,6 +50,7 @@ pub fn machine(functions: &Functions) -> Machine {
         outputs: functions.outputs.clone(),
         initial,
         states,
+        goals: Vec::new(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! What a picture consists of, and its form as SVG text.
 
+use super::BoxStyle;
+use super::fold::rounded;
 use super::layers::{Point, Size};
 use super::text::{self, LINE};
 use std::fmt::Write as _;
@@ -13,11 +15,22 @@ pub(super) const LABEL_FONT: f64 = 11.0;
 /// Margin around the document, in SVG units.
 pub(super) const MARGIN: f64 = 10.0;
 
-/// Style of the box of a state.
-pub(super) const STATE: &str = "class=\"state\" rx=\"8\" fill=\"aliceblue\" stroke=\"black\"";
+/// Distance between the two borders of a double border, in SVG units.
+const DOUBLE: f64 = 3.0;
+
+/// Height of the marks of a conveyor, and the most places that have marks.
+const MARKS: f64 = 10.0;
+const MAX_MARKS: u32 = 60;
+
+/// Style of a mark between the places of a conveyor.
+const MARK: &str = "fill=\"dimgray\"";
+
+/// Style of the frame around some of the states.
+pub(super) const FRAME: &str =
+    "rx=\"8\" fill=\"whitesmoke\" stroke=\"dimgray\" stroke-dasharray=\"6 4\"";
 
 /// Style of the background of a label, so that lines behind the text do not cross it.
-pub(super) const BACKGROUND: &str = "fill=\"white\" fill-opacity=\"0.85\"";
+const BACKGROUND: &str = "fill=\"white\" fill-opacity=\"0.85\"";
 
 /// Style of the frame of a region.
 pub(super) const REGION: &str =
@@ -54,6 +67,8 @@ pub(super) enum Shape {
     Line(Vec<Point>, &'static str),
     /// The smooth curve of an arrow along these points.
     Arrow(Vec<Point>),
+    /// An arrow along these points with rounded corners.
+    Route(Vec<Point>),
     /// The dot from which the edges to the initial states begin.
     Dot(Point),
     Text(Text),
@@ -74,6 +89,56 @@ impl Canvas {
             y: center.y - size.height / 2.0,
         };
         self.shapes.push(Shape::Rectangle(corner, size, style));
+    }
+
+    /// Adds a box with its label, around its center. Its size is that of [`box_size`].
+    pub fn labeled_box(&mut self, center: Point, label: &[String], style: BoxStyle) {
+        let size = box_size(label, style);
+        let attributes = match style {
+            BoxStyle::State => "class=\"state\" rx=\"8\" fill=\"aliceblue\" stroke=\"black\"",
+            BoxStyle::Coordinator => "fill=\"lemonchiffon\" stroke=\"black\"",
+            BoxStyle::Block | BoxStyle::Conveyor(_) => "fill=\"aliceblue\" stroke=\"black\"",
+            BoxStyle::Observer => "fill=\"white\" stroke=\"black\" stroke-dasharray=\"4 3\"",
+            BoxStyle::Terminal => "rx=\"14\" fill=\"white\" stroke=\"dimgray\"",
+        };
+        self.rectangle(center, size, attributes);
+        let mut middle = center;
+        if style == BoxStyle::Coordinator {
+            let inner = Size {
+                width: size.width - 2.0 * DOUBLE,
+                height: size.height - 2.0 * DOUBLE,
+            };
+            self.rectangle(center, inner, "fill=\"none\" stroke=\"black\"");
+        }
+        if let BoxStyle::Conveyor(places) = style {
+            middle.y -= MARKS / 2.0;
+            let (left, bottom) = (center.x - size.width / 2.0, center.y + size.height / 2.0);
+            let places = places.clamp(1, MAX_MARKS);
+            for mark in 1..places {
+                let x = left + size.width * f64::from(mark) / f64::from(places);
+                let at = Point {
+                    x,
+                    y: bottom - MARKS / 2.0,
+                };
+                let size = Size {
+                    width: 1.0,
+                    height: MARKS,
+                };
+                self.rectangle(at, size, MARK);
+            }
+        }
+        self.lines(middle, label, STATE_FONT, true);
+    }
+
+    /// Adds the label of a link around its center, with room for it.
+    pub fn label(&mut self, center: Point, label: &[String]) {
+        let size = text::size(label, LABEL_FONT, false);
+        let inner = Size {
+            width: size.width - 12.0,
+            height: size.height - 8.0,
+        };
+        self.rectangle(center, inner, BACKGROUND);
+        self.lines(center, label, LABEL_FONT, false);
     }
 
     /// Adds lines around a center. If the text has a heading, that is its first line.
@@ -124,6 +189,7 @@ impl Canvas {
                     Shape::Line(points.into_iter().map(moved).collect(), style)
                 }
                 Shape::Arrow(points) => Shape::Arrow(points.into_iter().map(moved).collect()),
+                Shape::Route(points) => Shape::Route(points.into_iter().map(moved).collect()),
                 Shape::Dot(center) => Shape::Dot(moved(center)),
                 Shape::Text(text) => Shape::Text(Text {
                     at: moved(text.at),
@@ -163,6 +229,38 @@ impl Canvas {
     }
 }
 
+/// Size of a box with this label.
+pub(super) fn box_size(label: &[String], style: BoxStyle) -> Size {
+    let text = text::size(label, STATE_FONT, true);
+    match style {
+        BoxStyle::State | BoxStyle::Block | BoxStyle::Observer | BoxStyle::Terminal => text,
+        BoxStyle::Coordinator => Size {
+            width: text.width + 2.0 * DOUBLE,
+            height: text.height + 2.0 * DOUBLE,
+        },
+        BoxStyle::Conveyor(places) => Size {
+            width: text.width.max((f64::from(places) * 9.0).clamp(90.0, 220.0)),
+            height: text.height + MARKS,
+        },
+    }
+}
+
+/// Size of the label of a link; 0 by 0 without one.
+pub(super) fn label_size(label: &[String]) -> Size {
+    if label.is_empty() {
+        return Size::default();
+    }
+    text::size(label, LABEL_FONT, false)
+}
+
+/// Writes an arrow along the data of an SVG path.
+fn write_arrow(output: &mut String, data: &str) -> std::fmt::Result {
+    writeln!(
+        output,
+        "<path d=\"{data}\" fill=\"none\" stroke=\"dimgray\" marker-end=\"url(#head)\"/>"
+    )
+}
+
 fn write_shape(output: &mut String, shape: &Shape) {
     // Writing to a string cannot fail.
     let _ = match shape {
@@ -175,11 +273,8 @@ fn write_shape(output: &mut String, shape: &Shape) {
             let points = points.collect::<Vec<_>>().join(" ");
             writeln!(output, "<polyline points=\"{points}\" {style}/>")
         }
-        Shape::Arrow(points) => writeln!(
-            output,
-            "<path d=\"{}\" fill=\"none\" stroke=\"dimgray\" marker-end=\"url(#head)\"/>",
-            curve(points)
-        ),
+        Shape::Arrow(points) => write_arrow(output, &curve(points)),
+        Shape::Route(points) => write_arrow(output, &rounded(points)),
         Shape::Dot(Point { x, y }) => {
             writeln!(output, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>")
         }

@@ -55,6 +55,28 @@ pub struct Placement {
     pub boxes: Vec<Point>,
     /// Each link.
     pub links: Vec<PlacedLink>,
+    /// Each frame.
+    pub frames: Vec<PlacedFrame>,
+}
+
+/// A frame around boxes and other frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Size of its title.
+    pub title: Size,
+    /// Index of the frame around it.
+    pub parent: Option<usize>,
+}
+
+/// Where a frame is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlacedFrame {
+    /// Its center.
+    pub center: Point,
+    /// Its size.
+    pub size: Size,
+    /// Center of its title, which is inside.
+    pub title: Point,
 }
 
 /// Where a link is.
@@ -80,14 +102,33 @@ pub struct Spacing {
 /// Places boxes of these sizes. The same input gives the same placement. Takes some milliseconds
 /// for a hundred boxes and links; the time grows with the square of their number, or faster.
 pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spacing) -> Placement {
+    place_in_frames(boxes, links, (&[], &[]), direction, spacing)
+}
+
+/// Places boxes as [`place`] does, some of them in frames: `frames` has these, and the index of the
+/// innermost frame of each box. The title of a frame is placed in it like a box, so that nothing
+/// overlaps it.
+pub fn place_in_frames(
+    boxes: &[Size],
+    links: &[Link],
+    (frames, frame_of): (&[Frame], &[Option<usize>]),
+    direction: Direction,
+    spacing: Spacing,
+) -> Placement {
     let mut graph: Graph<NodeLabel, EdgeLabel> = Graph::with_options(GraphOptions {
         directed: true,
         multigraph: true,
-        compound: false,
+        compound: !frames.is_empty(),
     });
     // Names of one length keep their order in every sorted container.
     let name = |index: usize| format!("{index:08}");
-    for (index, size) in boxes.iter().enumerate() {
+    let frame_name = |index: usize| format!("frame {index:08}");
+    let all: Vec<Size> = boxes
+        .iter()
+        .copied()
+        .chain(frames.iter().map(|frame| frame.title))
+        .collect();
+    for (index, size) in all.iter().enumerate() {
         let label = NodeLabel {
             width: size.width,
             height: size.height,
@@ -105,6 +146,18 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
         let (from, to, number) = (name(link.from), name(link.to), name(index));
         graph.set_edge(from, to, Some(label), Some(&number));
     }
+    for (index, frame) in frames.iter().enumerate() {
+        graph.set_node(frame_name(index), Some(NodeLabel::default()));
+        if let Some(parent) = frame.parent {
+            graph.set_parent(&frame_name(index), Some(&frame_name(parent)));
+        }
+        graph.set_parent(&name(boxes.len() + index), Some(&frame_name(index)));
+    }
+    for (index, frame) in frame_of.iter().enumerate() {
+        if let Some(frame) = frame {
+            graph.set_parent(&name(index), Some(&frame_name(*frame)));
+        }
+    }
     let options = LayoutOptions {
         rankdir: match direction {
             Direction::Down => RankDir::TB,
@@ -117,13 +170,25 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
     };
     dagre::layout(&mut graph, Some(options));
 
-    let center = |index: usize| {
-        let placed = graph.node(&name(index));
+    let center = |name: &str| {
+        let placed = graph.node(name);
         let x = placed.and_then(|placed| placed.x).unwrap_or(0.0);
         let y = placed.and_then(|placed| placed.y).unwrap_or(0.0);
         Point { x, y }
     };
-    let centers: Vec<Point> = (0..boxes.len()).map(center).collect();
+    let centers: Vec<Point> = (0..boxes.len()).map(|b| center(&name(b))).collect();
+    let placed_frames = (0..frames.len()).map(|index| {
+        let placed = graph.node(&frame_name(index));
+        PlacedFrame {
+            center: center(&frame_name(index)),
+            size: placed.map_or(Size::default(), |placed| Size {
+                width: placed.width,
+                height: placed.height,
+            }),
+            title: center(&name(boxes.len() + index)),
+        }
+    });
+    let placed_frames: Vec<PlacedFrame> = placed_frames.collect();
     let placed_links = links.iter().enumerate().map(|(index, link)| {
         let found = graph.edge(&name(link.from), &name(link.to), Some(&name(index)));
         let has_label = link.label.width > 0.0;
@@ -140,6 +205,8 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
             points: if points.len() < 2 {
                 vec![centers[link.from], centers[link.to]]
             } else {
+                let ends = [link.from, link.to].map(|end| (centers[end], boxes[end]));
+                let points = between_sides(points, ends, direction);
                 through_label(points, label, link.label, direction)
             },
             label,
@@ -154,7 +221,63 @@ pub fn place(boxes: &[Size], links: &[Link], direction: Direction, spacing: Spac
         spacing,
         &mut placed_links,
     );
-    moved_to_origin(boxes, links, centers, placed_links)
+    let placement = Placement {
+        size: Size::default(),
+        boxes: centers,
+        links: placed_links,
+        frames: placed_frames,
+    };
+    moved_to_origin(boxes, links, placement)
+}
+
+/// How far from the middle of a side a link ends that would end at a corner or beyond it, in
+/// proportion to half the side.
+const CORNER: f64 = 0.6;
+
+/// Moves the ends of a link to the sides of its boxes that face the neighboring layers. From the
+/// other sides, a steep link would cross the next boxes of the same layer.
+fn between_sides(
+    mut points: Vec<Point>,
+    [start, end]: [(Point, Size); 2],
+    direction: Direction,
+) -> Vec<Point> {
+    let last = points.len() - 1;
+    points[0] = facing(points[0], points[1], start, direction);
+    points[last] = facing(points[last], points[last - 1], end, direction);
+    points
+}
+
+/// The point at which a link leaves a box for the point `next`, instead of `at`.
+fn facing(at: Point, next: Point, (center, size): (Point, Size), direction: Direction) -> Point {
+    // `along` runs from layer to layer.
+    let along = |at: Point| match direction {
+        Direction::Down => at.y - center.y,
+        Direction::Right => at.x - center.x,
+    };
+    let across = |at: Point| match direction {
+        Direction::Down => at.x - center.x,
+        Direction::Right => at.y - center.y,
+    };
+    let (half, half_side) = match direction {
+        Direction::Down => (size.height / 2.0, size.width / 2.0),
+        Direction::Right => (size.width / 2.0, size.height / 2.0),
+    };
+    let is_beyond = along(next).abs() > half;
+    if !is_beyond || along(at).abs() >= half - 0.1 && across(at).abs() <= CORNER * half_side {
+        return at;
+    }
+    let (side, corner) = (half.copysign(along(next)), CORNER * half_side);
+    let corner = across(at).clamp(-corner, corner);
+    match direction {
+        Direction::Down => Point {
+            x: center.x + corner,
+            y: center.y + side,
+        },
+        Direction::Right => Point {
+            x: center.x + side,
+            y: center.y + corner,
+        },
+    }
 }
 
 /// Makes a link straight where it passes its label, so that a smooth curve passes its center.
@@ -266,27 +389,32 @@ fn place_loops(
 }
 
 /// Shifts everything so that it begins at 0, and measures it.
-fn moved_to_origin(
+pub(super) fn moved_to_origin(
     sizes: &[Size],
     links: &[Link],
-    mut boxes: Vec<Point>,
-    mut placed: Vec<PlacedLink>,
+    mut placement: Placement,
 ) -> Placement {
     let mut low = Point {
         x: f64::INFINITY,
         y: f64::INFINITY,
     };
-    let mut high = Point { x: 0.0, y: 0.0 };
+    let mut high = Point {
+        x: f64::NEG_INFINITY,
+        y: f64::NEG_INFINITY,
+    };
     let mut cover = |at: &Point, size: Size| {
         low.x = low.x.min(at.x - size.width / 2.0);
         low.y = low.y.min(at.y - size.height / 2.0);
         high.x = high.x.max(at.x + size.width / 2.0);
         high.y = high.y.max(at.y + size.height / 2.0);
     };
-    for (at, size) in boxes.iter().zip(sizes) {
+    for (at, size) in placement.boxes.iter().zip(sizes) {
         cover(at, *size);
     }
-    for (link, declared) in placed.iter().zip(links) {
+    for frame in &placement.frames {
+        cover(&frame.center, frame.size);
+    }
+    for (link, declared) in placement.links.iter().zip(links) {
         for point in &link.points {
             cover(point, Size::default());
         }
@@ -294,26 +422,27 @@ fn moved_to_origin(
             cover(label, declared.label);
         }
     }
-    if boxes.is_empty() {
-        low = high;
+    if low.x > high.x {
+        return placement;
     }
     let shift = |point: &mut Point| {
         point.x -= low.x;
         point.y -= low.y;
     };
-    boxes.iter_mut().for_each(shift);
-    for link in &mut placed {
+    placement.boxes.iter_mut().for_each(shift);
+    for frame in &mut placement.frames {
+        shift(&mut frame.center);
+        shift(&mut frame.title);
+    }
+    for link in &mut placement.links {
         link.points.iter_mut().for_each(shift);
         link.label.iter_mut().for_each(shift);
     }
-    Placement {
-        size: Size {
-            width: high.x - low.x,
-            height: high.y - low.y,
-        },
-        boxes,
-        links: placed,
-    }
+    placement.size = Size {
+        width: high.x - low.x,
+        height: high.y - low.y,
+    };
+    placement
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! Labelled state graphs as Graphviz text and as pictures. The callers decide what the graphs show.
 
+mod blocks;
 mod canvas;
 pub mod dot;
+pub mod fold;
 mod layered;
 pub mod layers;
 mod legend;
@@ -12,12 +14,93 @@ mod text;
 pub mod timing;
 
 /// States and edges with their labels, independent of the output format.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Graph {
     /// Label of each state, as lines.
     pub states: Vec<Vec<String>>,
     /// Edges, including those that lead to the initial states.
     pub edges: Vec<Edge>,
+    /// How each state looks in SVG; [`BoxStyle::State`] for those that are not listed.
+    pub styles: Vec<BoxStyle>,
+    /// Frames around states in SVG.
+    pub frames: Vec<Frame>,
+}
+
+impl Graph {
+    /// Returns the part of the graph with the states that at most so many edges separate from a
+    /// state, in either direction, and the edges between them. Frames are left out.
+    #[must_use]
+    pub fn around(&self, state: usize, steps: usize) -> Self {
+        let mut is_near = vec![false; self.states.len()];
+        is_near[state] = true;
+        for _ in 0..steps {
+            let mut wider = is_near.clone();
+            for edge in &self.edges {
+                let ends = edge.from.into_iter().chain([edge.to]);
+                if ends.clone().any(|end| is_near[end]) {
+                    ends.for_each(|end| wider[end] = true);
+                }
+            }
+            is_near = wider;
+        }
+        let kept: Vec<usize> = (0..self.states.len()).filter(|s| is_near[*s]).collect();
+        let number = |state: usize| kept.binary_search(&state).ok();
+        let edges = self.edges.iter().filter_map(|edge| {
+            let from = match edge.from {
+                None => None,
+                Some(from) => Some(number(from)?),
+            };
+            let to = number(edge.to)?;
+            let label = edge.label.clone();
+            Some(Edge { from, to, label })
+        });
+        Self {
+            states: kept
+                .iter()
+                .map(|state| self.states[*state].clone())
+                .collect(),
+            styles: kept
+                .iter()
+                .filter_map(|state| self.styles.get(*state).copied())
+                .collect(),
+            edges: edges.collect(),
+            frames: Vec::new(),
+        }
+    }
+
+    /// Returns how a state looks.
+    fn style(&self, state: usize) -> BoxStyle {
+        self.styles.get(state).copied().unwrap_or_default()
+    }
+}
+
+/// How a state, or what takes its place in other graphs, looks in SVG.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BoxStyle {
+    /// State of an automaton.
+    #[default]
+    State,
+    /// Component of a machine that decides what the others do: with a double border.
+    Coordinator,
+    /// Component of a machine, or place of a line: with sharp corners.
+    Block,
+    /// Component of a machine that only observes: with a dashed border.
+    Observer,
+    /// Beginning or end of what the graph shows: with round ends.
+    Terminal,
+    /// Conveyor, with marks between so many places.
+    Conveyor(u32),
+}
+
+/// A frame around some of the states, such as the components of an inner machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Frame {
+    /// Title shown in the frame.
+    pub title: String,
+    /// Index of the frame around it; a frame follows the one around it.
+    pub parent: Option<usize>,
+    /// The states in it that are not in a frame within it.
+    pub states: Vec<usize>,
 }
 
 /// An edge of a [`Graph`].

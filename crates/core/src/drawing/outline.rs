@@ -52,7 +52,11 @@ impl Outline {
         let edges = edges.collect();
         Self {
             groups,
-            graph: Graph { states, edges },
+            graph: Graph {
+                states,
+                edges,
+                ..Graph::default()
+            },
         }
     }
 

@@ -3,16 +3,17 @@
 //! with the same outputs are one box, or as a table and a matrix.
 
 use super::canvas::{Canvas, MARGIN, REGION, STATE_FONT, Shape};
+use super::layered::{self, Form};
 use super::layers::Point;
 use super::legend::{columns, with_keys};
 use super::outline::Outline;
-use super::{Graph, Region, layered, table, text};
+use super::{Graph, Region, blocks, table, text};
 
 /// Maximum width of a picture in SVG units.
 pub(super) const PAGE_WIDTH: f64 = 1600.0;
 
 /// Distance between regions, and padding inside a region, in SVG units.
-const GAP: f64 = 12.0;
+pub(super) const GAP: f64 = 12.0;
 
 /// Maximum number of states in a drawing in layers; more are a wall that nobody reads.
 const MAX_STATES: usize = 60;
@@ -31,6 +32,19 @@ const TITLE: usize = 60;
 /// some seconds: graphs that are too large for a drawing in layers become outlines or tables.
 pub fn render(name: &str, graph: &Graph) -> String {
     picture(graph, PAGE_WIDTH - 2.0 * MARGIN).document(name)
+}
+
+/// Draws blocks and what goes from one to another, such as the components of a machine, in layers.
+/// If they are too many, or the drawing is too wide, each outermost frame is one block, or there is
+/// a list in place of a drawing.
+pub fn render_blocks(name: &str, graph: &Graph) -> String {
+    blocks::picture(graph, Form::Layers, PAGE_WIDTH - 2.0 * MARGIN).document(name)
+}
+
+/// Draws blocks as [`render_blocks`] does, but from left to right in rows, such as the places of a
+/// line. Frames are not drawn.
+pub fn render_rows(name: &str, graph: &Graph) -> String {
+    blocks::picture(graph, Form::Rows, PAGE_WIDTH - 2.0 * MARGIN).document(name)
 }
 
 /// Draws regions side by side, each in a frame with its title, in as many rows as needed.
@@ -77,15 +91,20 @@ fn framed(region: &Region, limit: f64) -> Canvas {
     canvas
 }
 
-/// Draws a graph within a width in SVG units.
+/// Draws a graph within a width in SVG units. If its frames do not fit, their titles stand in the
+/// states.
 fn picture(graph: &Graph, limit: f64) -> Canvas {
-    let reason = match in_layers(graph, limit) {
+    let reason = match in_layers(graph, Form::Layers, limit) {
         Ok(canvas) => return canvas,
         Err(reason) => reason,
     };
+    let graph = &without_frames(graph);
+    if let Ok(canvas) = in_layers(graph, Form::Layers, limit) {
+        return canvas;
+    }
     let outline = Outline::new(graph);
     if outline.is_useful(graph)
-        && let Ok(drawn) = in_layers(&outline.graph, limit)
+        && let Ok(drawn) = in_layers(&outline.graph, Form::Layers, limit)
     {
         let mut canvas = Canvas::default();
         let shown = outline.caption(graph);
@@ -96,31 +115,48 @@ fn picture(graph: &Graph, limit: f64) -> Canvas {
     table::draw(graph, &outline, &reason, limit)
 }
 
-/// Draws a graph in layers, if its labels can be made narrow enough for the width.
+/// Appends the titles of the frames to the headings of their states in place of the frames.
+fn without_frames(graph: &Graph) -> Graph {
+    let mut plain = graph.clone();
+    for frame in std::mem::take(&mut plain.frames) {
+        for state in frame.states {
+            if let Some(heading) = plain.states[state].first_mut() {
+                *heading = format!("{heading} {}", frame.title);
+            }
+        }
+    }
+    plain
+}
+
+/// Draws a graph as it is, if its labels can be made narrow enough for the width.
 ///
 /// # Errors
 /// Why it is not drawn.
-fn in_layers(graph: &Graph, limit: f64) -> Result<Canvas, String> {
+pub(super) fn in_layers(graph: &Graph, form: Form, limit: f64) -> Result<Canvas, String> {
     if graph.states.len() > MAX_STATES {
-        return Err(format!("more than {MAX_STATES} states are not drawn"));
+        let kind = match graph.styles.as_slice() {
+            [] => "states",
+            _ => "boxes",
+        };
+        return Err(format!("more than {MAX_STATES} {kind} are not drawn"));
     }
     if graph.edges.len() > MAX_EDGES {
         return Err(format!("more than {MAX_EDGES} edges are not drawn"));
     }
     let fits = |canvas: &Canvas| canvas.size.width <= limit;
-    let whole = layered::draw(graph, limit);
+    let whole = layered::draw(graph, form, limit);
     if fits(&whole) {
         return Ok(whole);
     }
     let narrow = narrow(graph);
-    let drawn = layered::draw(&narrow, limit);
+    let drawn = layered::draw(&narrow, form, limit);
     if fits(&drawn) {
         return Ok(drawn);
     }
     // The legend has room for the original lines of the labels.
     let (mut keyed, legend) = with_keys(graph);
     keyed.states = narrow.states;
-    let mut drawn = layered::draw(&keyed, limit);
+    let mut drawn = layered::draw(&keyed, form, limit);
     if fits(&drawn) {
         drawn.add_below(2.0 * GAP, columns(&legend, limit));
     }
@@ -144,9 +180,9 @@ fn narrow(graph: &Graph) -> Graph {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::Edge;
     use super::super::canvas::{Anchor, Text};
     use super::super::layers::Size;
+    use super::super::{BoxStyle, Edge, Frame};
     use super::*;
     use proptest::prelude::*;
 
@@ -186,7 +222,9 @@ pub(super) mod tests {
                     let y = corner.y + size.height;
                     is_in(*corner) && is_in(Point { x, y })
                 }
-                Shape::Line(points, _) | Shape::Arrow(points) => points.iter().all(|at| is_in(*at)),
+                Shape::Line(points, _) | Shape::Arrow(points) | Shape::Route(points) => {
+                    points.iter().all(|at| is_in(*at))
+                }
                 Shape::Dot(at) => is_in(*at),
             };
             if !is_inside {
@@ -240,6 +278,7 @@ pub(super) mod tests {
         Graph {
             states: (0..count).map(state).collect(),
             edges,
+            ..Graph::default()
         }
     }
 
@@ -347,11 +386,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_graph_without_states_is_an_empty_picture() {
-        let graph = Graph {
-            states: Vec::new(),
-            edges: Vec::new(),
-        };
-        assert_eq!(picture(&graph, LIMIT), Canvas::default());
+        assert_eq!(picture(&Graph::default(), LIMIT), Canvas::default());
     }
 
     /// Lines with short and long words.
@@ -368,6 +403,7 @@ pub(super) mod tests {
             edges.prop_map(move |edges| Graph {
                 states: states.clone(),
                 edges,
+                ..Graph::default()
             })
         })
     }
@@ -387,11 +423,60 @@ pub(super) mod tests {
         }
     }
 
+    /// A graph with frames, some of them within others, and boxes of all styles.
+    fn any_blocks() -> impl Strategy<Value = Graph> {
+        (
+            any_graph(),
+            prop::collection::vec(0_usize..20, 20),
+            0_usize..5,
+        )
+            .prop_map(|(graph, places, count)| {
+                let frames = (0..count).map(|number| Frame {
+                    title: format!("frame {number}"),
+                    parent: (number % 3).checked_sub(1).filter(|_| number > 0),
+                    states: (0..graph.states.len())
+                        .filter(|state| places[*state] == number)
+                        .collect(),
+                });
+                let styles = (0..graph.states.len()).map(|state| match state % 6 {
+                    0 => BoxStyle::State,
+                    1 => BoxStyle::Coordinator,
+                    2 => BoxStyle::Block,
+                    3 => BoxStyle::Observer,
+                    4 => BoxStyle::Terminal,
+                    _ => BoxStyle::Conveyor(state as u32),
+                });
+                let frames = frames.collect();
+                let styles = styles.collect();
+                Graph {
+                    frames,
+                    styles,
+                    ..graph
+                }
+            })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn blocks_in_frames_and_in_rows_do_not_overlap(graph in any_blocks()) {
+            for form in [Form::Layers, Form::Rows] {
+                let canvas = blocks::picture(&graph, form, LIMIT);
+                prop_assert!(canvas.size.width <= LIMIT);
+                prop_assert_eq!(faults(&canvas), [""; 0]);
+            }
+            let canvas = blocks::list(&graph, "for a test", LIMIT);
+            prop_assert!(canvas.size.width <= LIMIT);
+            prop_assert_eq!(faults(&canvas), [""; 0]);
+        }
+    }
+
     #[test]
     fn too_many_edges_are_not_drawn() {
         let graph = ring(20, 6, 1, 20);
         assert!(graph.edges.len() > MAX_EDGES);
-        assert!(in_layers(&graph, LIMIT).is_err());
+        assert!(in_layers(&graph, Form::Layers, LIMIT).is_err());
         let canvas = picture(&graph, LIMIT);
         assert_eq!(faults(&canvas), [""; 0]);
         let reason = "20 states in 20 groups of equal outputs: more than 120 edges are not drawn";

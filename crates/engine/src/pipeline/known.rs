@@ -161,7 +161,7 @@ impl Analysis {
 fn help(limit: Limit) -> String {
     match limit.remedy() {
         Some(remedy) => format!("{remedy}, or make its domains smaller"),
-        None => "make its domains smaller, or split it into two contracts".to_owned(),
+        None => "write it as functions (`synth --emit json`, c, st or plcopen), or make its domains smaller".to_owned(),
     }
 }
 

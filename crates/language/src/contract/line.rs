@@ -540,6 +540,8 @@ pub struct Route {
     /// Condition over the part's properties; any value except 0 is true. `None` for a route without
     /// a condition.
     pub condition: Option<RealExpr>,
+    /// Source position of the condition.
+    pub condition_span: Option<Span>,
     /// Index into [`Line::choices`] of the choice to which the route belongs; `None` if it is the
     /// only one of its statement. The routes of a choice follow one another, start at the same
     /// place, are for the same part type, have the same condition, and end at different places.

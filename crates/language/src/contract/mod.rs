@@ -15,6 +15,7 @@ pub mod machine;
 mod machines;
 pub mod metric;
 mod patterns;
+pub mod picture;
 mod routes;
 mod scope;
 pub mod set;

@@ -47,6 +47,7 @@ pub fn graph(skills: &Skills, fsm: &Fsm) -> Graph {
     Graph {
         states: states.collect(),
         edges: [begin].into_iter().chain(edges).collect(),
+        ..Graph::default()
     }
 }
 
@@ -125,7 +126,11 @@ fn of_component(skills: &Skills, number: usize, level: Level) -> Graph {
         [] => vec![vec![component.name.clone()]],
         some => some.iter().map(|s| vec![s.clone()]).collect(),
     };
-    Graph { states, edges }
+    Graph {
+        states,
+        edges,
+        ..Graph::default()
+    }
 }
 
 /// Returns the graph of a rule: its refusals in each state, and its transitions; calls that change
@@ -171,7 +176,11 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
             label: lines(names.into_iter()),
         }));
     }
-    Graph { states, edges }
+    Graph {
+        states,
+        edges,
+        ..Graph::default()
+    }
 }
 
 /// Returns calls as lists of skill names.

@@ -39,6 +39,9 @@ pub struct ExplicitStrategy {
     pub initial: Vec<Row>,
     /// Rows of each state, for all later steps.
     pub states: Vec<Vec<Row>>,
+    /// The goal that the machine pursues in each state: the index of a justice guarantee, or 0 if
+    /// there is none. Empty for a strategy of the environment.
+    pub goals: Vec<usize>,
 }
 
 /// A state: the pursued goal, and the residual strategy.
@@ -110,7 +113,11 @@ pub fn explore<K: Kernel>(
         )?;
         states.push(rows);
     }
-    Ok(ExplicitStrategy { initial, states })
+    Ok(ExplicitStrategy {
+        initial,
+        states,
+        goals: explorer.states.iter().map(|state| state.goal).collect(),
+    })
 }
 
 impl<K: Kernel> Explorer<'_, K> {

@@ -26,5 +26,6 @@ pub fn to_machine(specification: &Specification, attack: &Attack) -> Machine {
         outputs: ports(specification, specification.inputs()),
         initial: rows(&attack.explicit.initial),
         states: attack.explicit.states.iter().map(|s| rows(s)).collect(),
+        goals: Vec::new(),
     }
 }

@@ -53,6 +53,7 @@ fn machine(
         outputs: ports(specification, specification.outputs()),
         initial: rows(explicit.initial),
         states: explicit.states.into_iter().map(rows).collect(),
+        goals: explicit.goals.into_iter().map(|goal| vec![goal]).collect(),
     };
     minimise::minimise(&machine, limits)
 }

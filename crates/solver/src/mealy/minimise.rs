@@ -11,7 +11,7 @@ use super::diagram::{DONT_CARE, Diagrams, Leaf, Ref};
 use super::{Guard, Machine, Transition};
 use crate::game::{Limit, Limits};
 use linewright_core::gr1::Timing;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Maximum number of pairs of diagram nodes visited while merging by don't-cares. Merging that
 /// would take more steps saves only a few states.
@@ -23,6 +23,8 @@ struct Work {
     outputs: Vec<Vec<i64>>,
     initial: Ref,
     states: Vec<Ref>,
+    /// See [`Machine::goals`].
+    goals: Vec<BTreeSet<usize>>,
     timing: Timing,
 }
 
@@ -42,6 +44,11 @@ impl Work {
             outputs: Vec::new(),
             initial: DONT_CARE,
             states: Vec::new(),
+            goals: machine
+                .goals
+                .iter()
+                .map(|own| own.iter().copied().collect())
+                .collect(),
             timing: machine.timing,
         };
         let mut numbers = HashMap::new();
@@ -137,6 +144,13 @@ impl Work {
                 states[*block as usize] = Some(self.diagrams.relabel(*state, &change, &mut seen));
             }
         }
+        let mut goals = vec![BTreeSet::new(); states.len()];
+        for (own, block) in self.goals.iter().zip(blocks) {
+            goals[*block as usize].extend(own);
+        }
+        if !self.goals.is_empty() {
+            self.goals = goals;
+        }
         self.initial = self.diagrams.relabel(self.initial, &change, &mut seen);
         self.states = states.into_iter().map(|s| s.unwrap_or(DONT_CARE)).collect();
     }
@@ -220,9 +234,11 @@ impl Work {
             let diagram = self.states[*next];
             states.push(write(diagram, &mut order));
         }
+        let goals = order.iter().filter_map(|state| self.goals.get(*state));
         Machine {
             initial,
             states,
+            goals: goals.map(|own| own.iter().copied().collect()).collect(),
             ..machine.clone()
         }
     }

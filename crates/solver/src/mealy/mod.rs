@@ -99,6 +99,10 @@ pub struct Machine {
     pub initial: Vec<Transition>,
     /// Transitions of each state, for all later steps.
     pub states: Vec<Vec<Transition>>,
+    /// For each state, the justice guarantees that it works for, by their indices in ascending
+    /// order: several if the machine does the same for each of them. Empty if this is not known, as
+    /// for counterstrategies. Only drawings show it.
+    pub goals: Vec<Vec<usize>>,
 }
 
 impl Machine {

@@ -6,8 +6,8 @@
 
 use super::text::guard_parts;
 use super::{Guard, Machine, Port, Transition};
-use linewright_core::drawing::{Edge, Graph, dot, svg};
-use linewright_core::gr1::{Domain, show_value};
+use linewright_core::drawing::{Edge, Frame, Graph, dot, svg};
+use linewright_core::gr1::{Domain, Specification, show_value};
 use std::collections::BTreeMap;
 
 /// Maximum number of cubes of a guard in a label; the JSON output has all of them.
@@ -19,8 +19,10 @@ const MAX_GROUPS: usize = 3;
 /// Maximum line length in characters. A single part that is longer is not broken.
 const WIDTH: usize = 40;
 
-/// Converts a machine to a graph with labeled states and edges.
-pub fn to_graph(machine: &Machine) -> Graph {
+/// Converts a machine to a graph with labeled states and edges. If there are several goals, which
+/// are the justice guarantees with these names, the states that work for one of them alone are in a
+/// frame.
+pub fn to_graph(machine: &Machine, goals: &[&str]) -> Graph {
     let common = common_outputs(machine);
     let mut states = Vec::new();
     for (number, values) in common.iter().enumerate() {
@@ -62,17 +64,47 @@ pub fn to_graph(machine: &Machine) -> Graph {
             edges.push(Edge { from, to, label });
         }
     }
-    Graph { states, edges }
+    Graph {
+        states,
+        edges,
+        frames: frames(machine, goals),
+        ..Graph::default()
+    }
+}
+
+/// Frames around the states that work for the same goal.
+fn frames(machine: &Machine, goals: &[&str]) -> Vec<Frame> {
+    if goals.len() < 2 {
+        return Vec::new();
+    }
+    let frames = goals.iter().enumerate().map(|(goal, name)| {
+        let own = machine.goals.iter().enumerate();
+        let own = own.filter(|(_, goals)| **goals == [goal]);
+        Frame {
+            title: format!("for {name}"),
+            parent: None,
+            states: own.map(|(state, _)| state).collect(),
+        }
+    });
+    frames.filter(|frame| !frame.states.is_empty()).collect()
+}
+
+/// The names of the goals of a specification: its justice guarantees.
+pub fn goals(specification: &Specification) -> Vec<&str> {
+    let justice = specification.guarantees.justice.iter();
+    justice.map(|formula| formula.name.as_str()).collect()
 }
 
 /// Returns the graph in Graphviz's language.
 pub fn to_dot(machine: &Machine) -> String {
-    dot::render(&machine.name, &to_graph(machine))
+    dot::render(&machine.name, &to_graph(machine, &[]))
 }
 
-/// Returns the graph as SVG.
-pub fn to_svg(machine: &Machine) -> String {
-    svg::render(&machine.name, &to_graph(machine))
+/// Returns the graph as SVG. The specification is that of the machine; `None` for a
+/// counterstrategy.
+pub fn to_svg(machine: &Machine, specification: Option<&Specification>) -> String {
+    let goals = specification.map_or(Vec::new(), goals);
+    svg::render(&machine.name, &to_graph(machine, &goals))
 }
 
 /// Returns, for each state, the outputs on which all transitions into it agree.

@@ -226,6 +226,7 @@ fn product(machine: &Machine, machines: &[&mealy::Machine]) -> Option<mealy::Mac
         outputs: machines.iter().flat_map(|m| m.outputs.clone()).collect(),
         initial,
         states,
+        goals: Vec::new(),
     })
 }
 

@@ -338,6 +338,7 @@ mod tests {
             outputs: vec![port("o")],
             initial,
             states: vec![state],
+            goals: Vec::new(),
         }
     }
 

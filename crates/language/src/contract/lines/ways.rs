@@ -163,6 +163,7 @@ impl<'a> Builder<'a, '_> {
                         from,
                         to,
                         condition: condition.clone().filter(|_| i == 0),
+                        condition_span: when.map(|written| written.span).filter(|_| i == 0),
                         choice,
                         span: start.span.to(end.span),
                     });

@@ -5,7 +5,7 @@ mod data;
 use super::contract::Rank;
 use super::parts::{self, Origin, links, section, table, tile};
 use super::{Document, contract as of_contract, document};
-use linewright_core::gr1::{Owner, Timing, show_value};
+use linewright_core::gr1::{Owner, Specification, Timing, show_value};
 use linewright_language::contract::Contract;
 use linewright_solver::mealy::{Controller, Machine, Port, picture};
 use maud::{Markup, PreEscaped, html};
@@ -84,7 +84,7 @@ pub fn page(page: &Page<'_>) -> String {
         main {
             (tiles(opponent))
             (section("walk", "Walk", &walk(opponent, reader)))
-            @if let Some(machine) = machine { (section("states", "States", &states(machine))) }
+            @if let Some(machine) = machine { (section("states", "States", &states(machine, goals(page)))) }
             (section("contract", "Contract", &html! {
                 (of_contract::interface(&contract.specification, Rank::Section))
                 (of_contract::rules(&contract.specification, page.origin.sources, Rank::Section))
@@ -168,8 +168,13 @@ fn walk(opponent: Opponent<'_>, reader: &str) -> Markup {
     }
 }
 
+/// The specification whose goals the states work for; a counterstrategy has none.
+fn goals<'a>(page: &Page<'a>) -> Option<&'a Specification> {
+    matches!(page.opponent, Opponent::Controller(_)).then_some(&*page.contract.specification)
+}
+
 /// The state diagram, and the states as a table.
-fn states(machine: &Machine) -> Markup {
+fn states(machine: &Machine, specification: Option<&Specification>) -> Markup {
     let rows = machine.states.iter().enumerate().take(MAX_LISTED);
     let rows = rows.flat_map(|(number, transitions)| {
         transitions.iter().map(move |transition| {
@@ -187,7 +192,7 @@ fn states(machine: &Machine) -> Markup {
     });
     let rows: Vec<Vec<String>> = rows.collect();
     html! {
-        div #diagram.scroll tabindex="0" role="group" aria-label="State diagram" { (PreEscaped(picture::to_svg(machine))) }
+        div #diagram.scroll tabindex="0" role="group" aria-label="State diagram" { (PreEscaped(picture::to_svg(machine, specification))) }
         details {
             summary { "All transitions as a table" }
             @if machine.states.len() > MAX_LISTED { p.hint { "Those of the first " (MAX_LISTED) " states." } }

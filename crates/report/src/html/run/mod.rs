@@ -6,7 +6,6 @@
 
 mod charts;
 mod data;
-mod fold;
 mod packed;
 mod picture;
 mod recorder;

@@ -1,8 +1,8 @@
 //! The picture of a line: its places in layers along the routes.
 
-use super::fold::{fold, rounded};
 use super::state_class;
-use linewright_core::drawing::layers::{Direction, Link, Placement, Size, Spacing, place};
+use linewright_core::drawing::fold::{place_in_rows, rounded};
+use linewright_core::drawing::layers::{Link, Placement, Size, Spacing};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_line::log::Activity;
 use maud::{Markup, html};
@@ -35,8 +35,7 @@ impl Picture {
                 links.push((route.from, route.to));
             }
         }
-        let placement = place(&sizes, &unlabeled(&links), Direction::Right, SPACING);
-        let placement = fold(placement, &sizes, &links);
+        let placement = place_in_rows(&sizes, &unlabeled(&links), SPACING);
         Self {
             placement,
             sizes,
@@ -102,7 +101,7 @@ impl Picture {
 }
 
 /// Links without labels between these boxes.
-pub(super) fn unlabeled(links: &[(usize, usize)]) -> Vec<Link> {
+fn unlabeled(links: &[(usize, usize)]) -> Vec<Link> {
     let label = Size::default();
     let links = links.iter();
     links.map(|&(from, to)| Link { from, to, label }).collect()

@@ -114,6 +114,7 @@ pub fn explore<K: Kernel>(
     Ok(remove_unreachable(&ExplicitStrategy {
         initial,
         states: rows,
+        goals: Vec::new(),
     }))
 }
 
@@ -312,5 +313,6 @@ fn remove_unreachable(explicit: &ExplicitStrategy) -> ExplicitStrategy {
             .iter()
             .map(|s| renumber(&explicit.states[*s]))
             .collect(),
+        goals: Vec::new(),
     }
 }

@@ -2,9 +2,11 @@
 //!
 //! It is cut between layers, where few links cross. A link from row to row leaves its box on the
 //! right, goes through the gap between the rows, and enters its box from the left. If there are
-//! rows between the two, it passes them on the left.
+//! rows between the two, it passes them on the left. Its label is in the gap, on a lane of its own.
 
-use linewright_core::drawing::layers::{PlacedLink, Placement, Point, Size};
+use super::layers::{
+    Direction, Link, PlacedLink, Placement, Point, Size, Spacing, moved_to_origin, place,
+};
 use std::fmt::Write as _;
 
 /// Width in SVG units beyond which a picture is folded.
@@ -30,9 +32,15 @@ struct Row {
     bottom: f64,
 }
 
-/// Folds a placement. `sizes` are those of the boxes, `links` the boxes that are linked, both in
-/// the order of the placement.
-pub(super) fn fold(placed: Placement, sizes: &[Size], links: &[(usize, usize)]) -> Placement {
+/// Places boxes of these sizes from left to right, as [`place`] does, and folds the picture into
+/// rows if it is wide.
+pub fn place_in_rows(sizes: &[Size], links: &[Link], spacing: Spacing) -> Placement {
+    let placed = place(sizes, links, Direction::Right, spacing);
+    fold(placed, sizes, links)
+}
+
+/// Folds a placement. `sizes` are those of the boxes, and `links` are what was placed.
+fn fold(placed: Placement, sizes: &[Size], links: &[Link]) -> Placement {
     let cuts = cuts(&placed, sizes, links);
     if cuts.is_empty() {
         return placed;
@@ -50,24 +58,29 @@ pub(super) fn fold(placed: Placement, sizes: &[Size], links: &[(usize, usize)]) 
         .map(|(at, row)| rows[*row].moved(*at))
         .collect();
     let mut lanes = vec![0.0; rows.len() + 1];
-    let placed_links = placed
-        .links
-        .into_iter()
-        .zip(links)
-        .map(|(link, &(from, to))| {
-            let points = if in_row[from] == in_row[to] {
-                let points = link.points.iter();
-                points.map(|at| rows[in_row[from]].moved(*at)).collect()
-            } else {
-                between_rows((from, to), &boxes, sizes, &in_row, &rows, &mut lanes)
-            };
+    let placed_links = placed.links.into_iter().zip(links).map(|(placed, link)| {
+        let row = &rows[in_row[link.from]];
+        if in_row[link.from] == in_row[link.to] {
             PlacedLink {
-                points,
-                label: None,
+                points: placed.points.iter().map(|at| row.moved(*at)).collect(),
+                label: placed.label.map(|at| row.moved(at)),
             }
-        });
-    let links = placed_links.collect();
-    measured(boxes, links, sizes)
+        } else {
+            between_rows(link, &boxes, sizes, &in_row, &rows, &mut lanes)
+        }
+    });
+    let placement = Placement {
+        size: Size::default(),
+        links: placed_links.collect(),
+        boxes,
+        frames: Vec::new(),
+    };
+    moved_to_origin(sizes, links, placement)
+}
+
+/// Height of the lane of a link from row to row: there is room for its label.
+fn lane_height(link: &Link) -> f64 {
+    LANE.max(link.label.height)
 }
 
 impl Row {
@@ -80,7 +93,7 @@ impl Row {
 }
 
 /// Where a placement is cut: `x` of each cut, ascending.
-fn cuts(placed: &Placement, sizes: &[Size], links: &[(usize, usize)]) -> Vec<f64> {
+fn cuts(placed: &Placement, sizes: &[Size], links: &[Link]) -> Vec<f64> {
     let width = placed.size.width;
     let count = (width / ROW_WIDTH).ceil() as usize;
     let gaps = gaps(placed, sizes);
@@ -88,7 +101,7 @@ fn cuts(placed: &Placement, sizes: &[Size], links: &[(usize, usize)]) -> Vec<f64
         let is_left = |node: usize| placed.boxes[node].x < x;
         links
             .iter()
-            .filter(|(from, to)| is_left(*from) != is_left(*to))
+            .filter(|link| is_left(link.from) != is_left(link.to))
             .count()
     };
     let mut cuts: Vec<f64> = (1..count)
@@ -129,14 +142,17 @@ fn gaps(placed: &Placement, sizes: &[Size]) -> Vec<f64> {
 fn rows(
     placed: &Placement,
     sizes: &[Size],
-    links: &[(usize, usize)],
+    links: &[Link],
     in_row: &[usize],
     cuts: &[f64],
 ) -> Vec<Row> {
-    let between = links
-        .iter()
-        .filter(|(from, to)| in_row[*from] != in_row[*to]);
-    let gap = ROW_GAP + between.count() as f64 * LANE;
+    let is_between = |link: &&Link| in_row[link.from] != in_row[link.to];
+    let gap = ROW_GAP
+        + links
+            .iter()
+            .filter(is_between)
+            .map(lane_height)
+            .sum::<f64>();
     let mut cursor = 0.0;
     (0..=cuts.len())
         .map(|row| {
@@ -146,10 +162,17 @@ fn rows(
                 .flat_map(|((at, size), _)| [at.y - size.height / 2.0, at.y + size.height / 2.0]);
             let inside = placed.links.iter().zip(links);
             let inside =
-                inside.filter(|(_, (from, to))| in_row[*from] == row && in_row[*to] == row);
-            let points = inside.flat_map(|(link, _)| link.points.iter().map(|at| at.y));
+                inside.filter(|(_, link)| in_row[link.from] == row && in_row[link.to] == row);
+            let extent = |(placed, link): (&PlacedLink, &Link)| {
+                let half = link.label.height / 2.0;
+                let label = placed.label.map(|at| [at.y - half, at.y + half]);
+                let points = placed.points.iter().map(|at| at.y);
+                points
+                    .chain(label.into_iter().flatten())
+                    .collect::<Vec<_>>()
+            };
             let (top, bottom) = boxes
-                .chain(points)
+                .chain(inside.flat_map(extent))
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
                     (low.min(y), high.max(y))
                 });
@@ -166,24 +189,26 @@ fn rows(
         .collect()
 }
 
-/// The corners of a link from row to row. `lanes` has the width that is used up already: in each
-/// gap below a row, and last on the left.
+/// Where a link from row to row is. `lanes` has the width that is used up already: in each gap
+/// below a row, and last on the left.
 fn between_rows(
-    (from, to): (usize, usize),
+    link: &Link,
     boxes: &[Point],
     sizes: &[Size],
     in_row: &[usize],
     rows: &[Row],
     lanes: &mut [f64],
-) -> Vec<Point> {
+) -> PlacedLink {
+    let (from, to) = (link.from, link.to);
     let (a, b) = (in_row[from], in_row[to]);
     // Downwards, it passes the gap below its row and the one above the other; upwards, vice versa.
     let (first, second) = if a < b { (a, b - 1) } else { (a - 1, b) };
-    let mut lane = |gap: usize| {
-        lanes[gap] += LANE;
-        lanes[gap]
+    let mut lane = |gap: usize, width: f64| {
+        lanes[gap] += width;
+        // Its middle: without a label, the end of the lane, so that the first one is off the row.
+        lanes[gap] - (width - LANE) / 2.0
     };
-    let first_y = rows[first].bottom + ROW_GAP / 2.0 + lane(first);
+    let first_y = rows[first].bottom + ROW_GAP / 2.0 + lane(first, lane_height(link));
     let right = boxes[from].x + sizes[from].width / 2.0;
     let left = boxes[to].x - sizes[to].width / 2.0;
     let out = free(right, 1.0, in_row[from], boxes, sizes, in_row);
@@ -192,12 +217,19 @@ fn between_rows(
     if first == second {
         corners.push((back, first_y));
     } else {
-        let second_y = rows[second].bottom + ROW_GAP / 2.0 + lane(second);
-        let side = -20.0 - lane(rows.len());
+        let second_y = rows[second].bottom + ROW_GAP / 2.0 + lane(second, LANE);
+        let side = -20.0 - lane(rows.len(), LANE);
         corners.extend([(side, first_y), (side, second_y), (back, second_y)]);
     }
     corners.extend([(back, boxes[to].y), (left, boxes[to].y)]);
-    corners.into_iter().map(|(x, y)| Point { x, y }).collect()
+    let label = Point {
+        x: f64::midpoint(out, corners[3].0),
+        y: first_y,
+    };
+    PlacedLink {
+        points: corners.into_iter().map(|(x, y)| Point { x, y }).collect(),
+        label: Some(label).filter(|_| link.label.width > 0.0),
+    }
 }
 
 /// The first `x` from here on, to the right (1) or to the left (-1), where no box of the row is
@@ -228,41 +260,8 @@ fn free(
     x
 }
 
-/// Shifts everything so that it begins at 0, and measures it.
-fn measured(mut boxes: Vec<Point>, mut links: Vec<PlacedLink>, sizes: &[Size]) -> Placement {
-    let corners = boxes.iter().zip(sizes).flat_map(|(at, size)| {
-        let (x, y) = (size.width / 2.0, size.height / 2.0);
-        [
-            Point {
-                x: at.x - x,
-                y: at.y - y,
-            },
-            Point {
-                x: at.x + x,
-                y: at.y + y,
-            },
-        ]
-    });
-    let all: Vec<Point> = corners
-        .chain(links.iter().flat_map(|link| link.points.clone()))
-        .collect();
-    let low = |of: fn(&Point) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
-    let high = |of: fn(&Point) -> f64| all.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-    let (left, top) = (low(|p| p.x), low(|p| p.y));
-    let size = Size {
-        width: high(|p| p.x) - left,
-        height: high(|p| p.y) - top,
-    };
-    let points = links.iter_mut().flat_map(|link| &mut link.points);
-    for point in boxes.iter_mut().chain(points) {
-        point.x -= left;
-        point.y -= top;
-    }
-    Placement { size, boxes, links }
-}
-
 /// A polyline with rounded corners, as the data of an SVG path.
-pub(super) fn rounded(points: &[Point]) -> String {
+pub fn rounded(points: &[Point]) -> String {
     const RADIUS: f64 = 12.0;
     let mut data = String::new();
     let Some(first) = points.first() else {
@@ -295,52 +294,77 @@ pub(super) fn rounded(points: &[Point]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::picture::unlabeled;
     use super::*;
-    use linewright_core::drawing::layers::{Direction, Spacing, place};
 
-    fn chain(count: usize, more: &[(usize, usize)]) -> (Placement, Vec<Size>, Vec<(usize, usize)>) {
-        let sizes = vec![
-            Size {
-                width: 80.0,
-                height: 50.0
-            };
-            count
-        ];
-        let mut links: Vec<(usize, usize)> = (1..count).map(|to| (to - 1, to)).collect();
-        links.extend(more);
-        let spacing = Spacing {
-            boxes: 20.0,
-            links: 10.0,
-            layers: 40.0,
-        };
-        (
-            place(&sizes, &unlabeled(&links), Direction::Right, spacing),
-            sizes,
-            links,
-        )
+    const BOX: Size = Size {
+        width: 80.0,
+        height: 50.0,
+    };
+
+    const SPACING: Spacing = Spacing {
+        boxes: 20.0,
+        links: 10.0,
+        layers: 40.0,
+    };
+
+    /// A chain of boxes with more links, all of which have labels of this size.
+    fn chain(count: usize, more: &[(usize, usize)], label: Size) -> (Vec<Size>, Vec<Link>) {
+        let ends = (1..count)
+            .map(|to| (to - 1, to))
+            .chain(more.iter().copied());
+        let links = ends.map(|(from, to)| Link { from, to, label });
+        (vec![BOX; count], links.collect())
+    }
+
+    /// Whether two rectangles are apart, given by their centers and sizes.
+    fn are_apart((a, first): (Point, Size), (b, second): (Point, Size)) -> bool {
+        (a.x - b.x).abs() >= f64::midpoint(first.width, second.width) - 1e-6
+            || (a.y - b.y).abs() >= f64::midpoint(first.height, second.height) - 1e-6
     }
 
     #[test]
     fn a_long_chain_has_rows_in_which_no_box_meets_another() {
-        let (placed, sizes, links) = chain(30, &[(25, 3), (12, 14), (0, 29)]);
-        let folded = fold(placed, &sizes, &links);
+        let (sizes, links) = chain(30, &[(25, 3), (12, 14), (0, 29)], Size::default());
+        let folded = place_in_rows(&sizes, &links, SPACING);
         assert!(folded.size.width <= ROW_WIDTH + 400.0, "{:?}", folded.size);
         for (index, a) in folded.boxes.iter().enumerate() {
             for b in &folded.boxes[index + 1..] {
-                assert!((a.x - b.x).abs() >= 80.0 || (a.y - b.y).abs() >= 50.0);
+                assert!(are_apart((*a, BOX), (*b, BOX)));
             }
         }
-        for (link, (from, to)) in folded.links.iter().zip(&links) {
-            let (first, last) = (link.points[0], link.points[link.points.len() - 1]);
-            assert!((first.x - folded.boxes[*from].x).abs() <= 40.1);
-            assert!((last.x - folded.boxes[*to].x).abs() <= 40.1);
+        for (placed, link) in folded.links.iter().zip(&links) {
+            let (first, last) = (placed.points[0], placed.points[placed.points.len() - 1]);
+            assert!((first.x - folded.boxes[link.from].x).abs() <= 40.1);
+            assert!((last.x - folded.boxes[link.to].x).abs() <= 40.1);
+        }
+    }
+
+    #[test]
+    fn labels_of_links_from_row_to_row_overlap_nothing() {
+        let label = Size {
+            width: 90.0,
+            height: 40.0,
+        };
+        let (sizes, links) = chain(30, &[(25, 3), (12, 14), (0, 29), (20, 1)], label);
+        let folded = place_in_rows(&sizes, &links, SPACING);
+        let labels = folded.links.iter().filter_map(|link| link.label);
+        let boxes = folded.boxes.iter().map(|at| (*at, BOX));
+        let all: Vec<(Point, Size)> = labels.map(|at| (at, label)).chain(boxes).collect();
+        assert_eq!(all.len(), 30 + links.len());
+        for (index, (at, size)) in all.iter().enumerate() {
+            assert!(at.x >= size.width / 2.0 - 1e-6 && at.y >= size.height / 2.0 - 1e-6);
+            assert!(at.x + size.width / 2.0 <= folded.size.width + 1e-6);
+            assert!(at.y + size.height / 2.0 <= folded.size.height + 1e-6);
+            for other in &all[index + 1..] {
+                assert!(are_apart((*at, *size), *other), "{at:?} {other:?}");
+            }
         }
     }
 
     #[test]
     fn a_short_line_stays_as_it_is() {
-        let (placed, sizes, links) = chain(4, &[]);
-        assert_eq!(fold(placed.clone(), &sizes, &links), placed);
+        let (sizes, links) = chain(4, &[], Size::default());
+        let placed = place(&sizes, &links, Direction::Right, SPACING);
+        assert_eq!(place_in_rows(&sizes, &links, SPACING), placed);
     }
 }
