@@ -1,4 +1,4 @@
-//! TimingDiagram diagrams: the values of signals over steps, as SVG.
+//! Timing diagrams: the values of signals over steps, as SVG.
 
 use super::canvas::{Anchor, Canvas, LABEL_FONT, MARGIN, Shape, Text};
 use super::layers::{Point, Size};

@@ -75,8 +75,44 @@ fn starts(pieces: &[Piece]) -> impl Iterator<Item = (f64, &Piece)> {
     begins.zip(pieces).filter(|(_, piece)| piece.value > 0.0)
 }
 
+/// The axis of time that the timeline of the stations and all charts over time share, so that they
+/// can be compared from top to bottom.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TimeAxis {
+    /// Where time 0 is, in SVG units.
+    left: f64,
+    /// End of the run in seconds.
+    end: f64,
+    /// End of the warm-up in seconds.
+    warm_up: f64,
+}
+
+impl TimeAxis {
+    /// Leaves room on the left for the names of the stations.
+    pub fn new<'a>(names: impl Iterator<Item = &'a str>, end: f64, warm_up: f64) -> Self {
+        let longest = names.map(|name| name.chars().count()).max().unwrap_or(0);
+        let left = (longest as f64 * 6.6 + 16.0).clamp(LEFT, 165.0);
+        Self { left, end, warm_up }
+    }
+
+    /// Room on the left and on the right, as shares of the width.
+    pub fn margins(self) -> [f64; 2] {
+        [self.left / WIDTH, RIGHT / WIDTH]
+    }
+
+    fn frame(self, max: f64) -> Frame {
+        Frame {
+            left: self.left,
+            height: 170.0,
+            seconds: self.end,
+            max,
+        }
+    }
+}
+
 /// A frame with axes: time to the right, a number upwards.
 struct Frame {
+    left: f64,
     height: f64,
     seconds: f64,
     max: f64,
@@ -84,7 +120,7 @@ struct Frame {
 
 impl Frame {
     fn x(&self, time: f64) -> f64 {
-        LEFT + (WIDTH - LEFT - RIGHT) * time / self.seconds.max(f64::MIN_POSITIVE)
+        self.left + (WIDTH - self.left - RIGHT) * time / self.seconds.max(f64::MIN_POSITIVE)
     }
 
     fn y(&self, value: f64) -> f64 {
@@ -93,17 +129,17 @@ impl Frame {
     }
 
     fn draw(&self, label: &str, warm_up: f64, inside: &Markup) -> Markup {
-        let height = self.height;
+        let (left, height) = (self.left, self.height);
         html! {
             svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
                 @if warm_up > 0.0 {
-                    rect.warmup x=(LEFT) y=(TOP) width=(number(self.x(warm_up) - LEFT)) height=(height - TOP - BOTTOM) {
+                    rect.warmup x=(left) y=(TOP) width=(number(self.x(warm_up) - left)) height=(height - TOP - BOTTOM) {
                         title { "Warm-up: not counted" }
                     }
                 }
                 @for mark in marks(self.max, 4) {
-                    line.grid x1=(LEFT) x2=(WIDTH - RIGHT) y1=(number(self.y(mark))) y2=(number(self.y(mark))) {}
-                    text x=(LEFT - 6.0) y=(number(self.y(mark) + 4.0)) text-anchor="end" { (figure(mark)) }
+                    line.grid x1=(left) x2=(WIDTH - RIGHT) y1=(number(self.y(mark))) y2=(number(self.y(mark))) {}
+                    text x=(left - 6.0) y=(number(self.y(mark) + 4.0)) text-anchor="end" { (figure(mark)) }
                 }
                 @for (time, text) in time_marks(self.seconds, 8) {
                     text x=(number(self.x(time))) y=(height - 8.0) text-anchor="middle" { (text) }
@@ -115,14 +151,10 @@ impl Frame {
 }
 
 /// A number of parts over time: the mean of each bin as a line, and its maximum as an area. Time
-/// before `warm_up` is marked, and so is the `capacity`.
-pub(super) fn curve(label: &str, curve: &Curve, warm_up: f64, capacity: Option<u32>) -> Markup {
+/// before the end of the warm-up is marked, and so is the `capacity`.
+pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option<u32>) -> Markup {
     let highest = curve.maxima.iter().copied().max().unwrap_or(0) as f64;
-    let frame = Frame {
-        height: 170.0,
-        seconds: curve.end,
-        max: highest.max(capacity.map_or(1.0, f64::from)),
-    };
+    let frame = axis.frame(highest.max(capacity.map_or(1.0, f64::from)));
     let maxima: Vec<f64> = curve.maxima.iter().map(|max| *max as f64).collect();
     let area = stairs(&frame, &maxima, curve.width, curve.end);
     let mean = stairs(&frame, &curve.means, curve.width, curve.end);
@@ -131,28 +163,24 @@ pub(super) fn curve(label: &str, curve: &Curve, warm_up: f64, capacity: Option<u
         path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
         path.line d=(format!("M{}", &mean[1..])) {}
         @if let Some(capacity) = capacity {
-            line.capacity x1=(LEFT) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
+            line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
                 title { "Capacity: " (capacity) }
             }
         }
     };
-    frame.draw(label, warm_up, &inside)
+    frame.draw(label, axis.warm_up, &inside)
 }
 
-/// A quantity over time: the mean of each bin.
-pub(super) fn rate(label: &str, values: &[f64], width: f64, seconds: f64, warm_up: f64) -> Markup {
-    let frame = Frame {
-        height: 170.0,
-        seconds,
-        max: values.iter().copied().fold(0.0, f64::max),
-    };
-    let line = stairs(&frame, values, width, seconds);
-    let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(seconds));
+/// A quantity over time: the mean of each bin, which is `width` seconds wide.
+pub(super) fn rate(label: &str, values: &[f64], width: f64, axis: TimeAxis) -> Markup {
+    let frame = axis.frame(values.iter().copied().fold(0.0, f64::max));
+    let line = stairs(&frame, values, width, axis.end);
+    let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(axis.end));
     let inside = html! {
         path.area d=(format!("M{left:.1} {bottom:.1}{line}L{right:.1} {bottom:.1}Z")) {}
         path.line d=(format!("M{}", &line[1..])) {}
     };
-    frame.draw(label, warm_up, &inside)
+    frame.draw(label, axis.warm_up, &inside)
 }
 
 /// A line of stairs, as path data that begins with `L`. A stair is as wide as a bin.
@@ -174,6 +202,7 @@ fn stairs(frame: &Frame, values: &[f64], width: f64, end: f64) -> String {
 pub(super) fn histogram(label: &str, columns: &Columns, lines: &[(&str, f64)]) -> Markup {
     let Columns { width, counts, .. } = columns;
     let frame = Frame {
+        left: LEFT,
         height: 190.0,
         seconds: width * counts.len() as f64,
         max: counts.iter().copied().max().unwrap_or(0) as f64,

@@ -2,6 +2,7 @@
 //!
 //! The script reads the columns in the same way, so both change together.
 
+use super::super::for_script;
 use super::picture::Picture;
 use super::recorder::{Move, Target};
 use super::{Page, packed, state_class};
@@ -47,6 +48,7 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
     let document = json!({
         "end": recorder.end,
         "tick": tick,
+        "margins": page.axis().margins(),
         "nodes": page.line.nodes.iter().map(node).collect::<Vec<_>>(),
         "parts": page.line.parts.iter().map(|part| &part.name).collect::<Vec<_>>(),
         "links": picture.links,
@@ -60,8 +62,7 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
         "movesEnd": recorder.moves_end,
         "violations": violations,
     });
-    // Inside a script element, `</script>` and `<!--` would end it or change its meaning.
-    document.to_string().replace('<', "\\u003c")
+    for_script(&document.to_string())
 }
 
 /// A place: name, kind, and what its parts need.

@@ -44,6 +44,15 @@ pub struct Page<'a> {
     pub origin: Origin<'a>,
 }
 
+impl Page<'_> {
+    /// The axis of all charts over time.
+    fn axis(&self) -> charts::TimeAxis {
+        let stations = self.traces[0].stations.iter();
+        let names = stations.map(|station| station.name.as_str());
+        charts::TimeAxis::new(names, self.recorder.end, self.recorder.counting)
+    }
+}
+
 /// A variant, and how it differs from the line as it is.
 #[derive(Debug, Clone, Copy)]
 pub struct Compared<'a> {

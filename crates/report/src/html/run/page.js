@@ -323,7 +323,7 @@
 
   const canvas = byId("gantt");
   const ROW = 26, AXIS = 24;
-  let from = 0, to = 0, rows = [], left = 0;
+  let from = 0, to = 0, rows = [], left = 0, right = 0;
   let colours = {};
 
   function readColours() {
@@ -371,20 +371,20 @@
     pen.fillRect(0, 0, width, height);
     pen.font = "13px system-ui, sans-serif";
     pen.textBaseline = "middle";
-    left = Math.min(200, Math.max(...rows.map((node) => pen.measureText(data.nodes[node].name).width)) + 16);
-    const scale = (width - left) / (to - from);
+    [left, right] = data.margins.map((share) => share * width);
+    const scale = (width - left - right) / (to - from);
     const x = (at) => left + (at - from) * scale;
     rows.forEach((node, row) => {
       const y = row * ROW + 3, tall = ROW - 6;
       pen.fillStyle = colours.ink;
       pen.textAlign = "right";
       pen.fillText(data.nodes[node].name, left - 8, y + tall / 2, left - 12);
-      drawRow(pen, states[node], x, y, tall, width, scale);
+      drawRow(pen, states[node], x, y, tall, width - right, scale);
     });
     pen.strokeStyle = colours.rule;
     pen.fillStyle = colours.soft;
     pen.textAlign = "center";
-    const { marks } = marksOf(from, to, width - left);
+    const { marks } = marksOf(from, to, width - left - right);
     for (const at of marks) {
       pen.beginPath(); pen.moveTo(x(at), rows.length * ROW); pen.lineTo(x(at), rows.length * ROW + 5); pen.stroke();
       if (x(at) > left + 20 && x(at) < width - 30) pen.fillText(clock(at), x(at), rows.length * ROW + 15);
@@ -441,7 +441,7 @@
     const isSeen = rows.length > 0 && time >= from && time <= to;
     style.display = isSeen ? "block" : "none";
     if (!isSeen) return;
-    style.left = `${left + (time - from) / (to - from) * (canvas.clientWidth - left)}px`;
+    style.left = `${left + (time - from) / (to - from) * (canvas.clientWidth - left - right)}px`;
     style.height = `${rows.length * ROW}px`;
   }
 
@@ -454,7 +454,7 @@
   function zoom(factor, around = (from + to) / 2) {
     look(around - (around - from) * factor, around + (to - around) * factor);
   }
-  const timeAt = (event) => from + (event.offsetX - left) / (canvas.clientWidth - left) * (to - from);
+  const timeAt = (event) => from + (event.offsetX - left) / (canvas.clientWidth - left - right) * (to - from);
 
   function setUpTimeline() {
     if (!canvas) return;
@@ -465,12 +465,12 @@
     canvas.addEventListener("pointerdown", (event) => { drag = { x: event.offsetX, from, to, moved: false }; canvas.setPointerCapture(event.pointerId); });
     canvas.addEventListener("pointermove", (event) => {
       if (!drag) { canvas.title = hint(event); return; }
-      const shift = (drag.x - event.offsetX) / (canvas.clientWidth - left) * (drag.to - drag.from);
+      const shift = (drag.x - event.offsetX) / (canvas.clientWidth - left - right) * (drag.to - drag.from);
       drag.moved ||= Math.abs(event.offsetX - drag.x) > 3;
       if (drag.moved) look(drag.from + shift, drag.to + shift);
     });
     canvas.addEventListener("pointerup", (event) => {
-      if (drag && !drag.moved && event.offsetX > left) { play(false); setTime(timeAt(event)); }
+      if (drag && !drag.moved && event.offsetX > left && event.offsetX < canvas.clientWidth - right) { play(false); setTime(timeAt(event)); }
       drag = null;
     });
     canvas.addEventListener("keydown", (event) => {

@@ -50,6 +50,12 @@ pub struct Recorder {
     /// Time from which on movements were left out, in seconds.
     pub(super) moves_end: Option<f64>,
     units: Steps,
+    /// By part type: the number of parts in the line.
+    units_by_type: Vec<Steps>,
+    /// Type of each part in the line.
+    types: HashMap<u64, usize>,
+    /// End products that were finished.
+    finished: Sums,
     /// By node: whether a part has ever come.
     visited: Vec<bool>,
     /// By node: the number of parts, if it is a buffer.
@@ -88,6 +94,9 @@ impl Recorder {
             moves: Vec::new(),
             moves_end: None,
             units: Steps::new(),
+            units_by_type: vec![Steps::new(); line.parts.len()],
+            types: HashMap::new(),
+            finished: Sums::new(),
             visited: vec![false; nodes],
             buffers: buffers.collect(),
             is_product: types.map(|part| line.is_product(part)).collect(),
@@ -106,6 +115,30 @@ impl Recorder {
     /// Number of parts in the line over time.
     pub(super) fn units(&self) -> Curve {
         self.units.clone().until(self.end)
+    }
+
+    /// Number of parts of a type in the line over time.
+    pub(super) fn units_of(&self, kind: usize) -> Curve {
+        self.units_by_type[kind].clone().until(self.end)
+    }
+
+    /// End products an hour in each bin of time, and the width of a bin in seconds.
+    pub(super) fn throughput(&self) -> (Vec<f64>, f64) {
+        /// Maximum number of bins: a product that is finished must not look like a burst.
+        const BINS: usize = 48;
+        let sums = self.finished.clone().until(self.end);
+        let each = sums.len().div_ceil(BINS).max(1);
+        let width = self.finished.width() * each as f64;
+        let bins = sums.chunks(each).enumerate().map(|(bin, sums)| {
+            let seconds = (self.end - bin as f64 * width).min(width);
+            let products: f64 = sums.iter().sum();
+            if seconds > 0.0 {
+                products * 3600.0 / seconds
+            } else {
+                0.0
+            }
+        });
+        (bins.collect(), width)
     }
 
     /// The state as which a station's waiting for parts is shown: idle if no part ever came.
@@ -182,6 +215,9 @@ impl Recorder {
 
     fn leaves_line(&mut self, time: f64, part: u64, to: Target) {
         self.units.add(time, -1);
+        if let Some(kind) = self.types.remove(&part) {
+            self.units_by_type[kind].add(time, -1);
+        }
         self.moved(time, part, None, to);
     }
 
@@ -192,6 +228,8 @@ impl Recorder {
                 let since = self.joined.remove(&part).unwrap_or(time);
                 self.entered.insert(part, since);
                 self.units.add(time, 1);
+                self.units_by_type[kind].add(time, 1);
+                self.types.insert(part, kind);
                 self.moved(time, part, Some(kind), Target::Node(node));
             }
             EventKind::Arrived => {
@@ -218,6 +256,7 @@ impl Recorder {
                 let since = self.entered.remove(&part).unwrap_or(time);
                 if self.is_product[kind] {
                     self.lead_times.add(time - since);
+                    self.finished.spread(time, time, 1.0);
                 }
                 self.leaves_line(time, part, Target::Finished);
             }

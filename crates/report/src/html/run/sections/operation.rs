@@ -7,6 +7,8 @@ use super::{STATES, first, legend};
 use crate::html::numbers::{count, percent};
 use crate::html::parts::{behind, section, table};
 use crate::table::bottleneck;
+use linewright_language::contract::line::declared_name;
+use linewright_line::Bottleneck;
 use linewright_line::trace::{StationStatistics, WaitKind, duration};
 use maud::{Markup, html};
 
@@ -180,8 +182,30 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         }
         h3 { "Bottleneck" }
         p { (bottleneck(&first(page).bottleneck)) "." }
+        (losses(page))
     };
     section("stations", "Where the time goes", &inside)
+}
+
+/// The time of the bottleneck by state, in shares and as a duration.
+fn losses(page: &Page<'_>) -> Markup {
+    let trace = first(page);
+    let Bottleneck::Station(candidate) = &trace.bottleneck else {
+        return html! {};
+    };
+    let mut stations = trace.stations.iter();
+    let Some(station) = stations.find(|s| declared_name(&s.name) == candidate.name) else {
+        return html! {};
+    };
+    let counted = trace.seconds - trace.warm_up;
+    let rows = of_states(station).into_iter().zip(STATES);
+    let rows = rows
+        .map(|(share, (_, name))| vec![name.to_owned(), percent(share), duration(share * counted)]);
+    html! {
+        p { "The time of " (station.name) ", of which all but the busy time is lost to the line:" }
+        (table(&["State", "Share", "Time"], &rows.collect::<Vec<_>>()))
+        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is the busy share of the time on shift, so waiting and failures lower it." }
+    }
 }
 
 pub(super) fn timeline(page: &Page<'_>) -> Markup {

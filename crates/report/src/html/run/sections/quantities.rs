@@ -15,7 +15,13 @@ use maud::{Markup, html};
 
 pub(super) fn queues(page: &Page<'_>) -> Markup {
     let (recorder, trace) = (page.recorder, first(page));
-    let units = recorder.units();
+    let (units, axis) = (recorder.units(), page.axis());
+    let (throughput, width) = recorder.throughput();
+    let types = page.line.parts.iter().enumerate();
+    let types: Vec<_> = types
+        .map(|(kind, part)| (&part.name, recorder.units_of(kind)))
+        .filter(|(_, curve)| curve.maxima.iter().any(|max| *max > 0))
+        .collect();
     let buffers: Vec<_> = page
         .line
         .nodes
@@ -45,14 +51,29 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
     let inside = html! {
         p { "Work in progress is the number of parts in the line, of all types. Dark: the mean of each " (duration(units.width)) "; light: the maximum. Dashed: the capacity of a buffer."
             @if recorder.counting > 0.0 { " Grey: the warm-up." } }
-        (charts::curve("Work in progress over time", &units, recorder.counting, None))
+        (charts::curve("Work in progress over time", &units, axis, None))
         details {
             summary { "Show as a table" }
             (table(&["Time from", "Mean", "Maximum"], &curve_rows(&units)))
         }
+        @if types.len() > 1 { details {
+            summary { "By part type" }
+            @for (name, curve) in &types {
+                h3 { (name) }
+                (charts::curve(&format!("Parts of type {name} over time"), curve, axis, None))
+            }
+        } }
+        @if trace.products > 0 {
+            h3 { "Throughput" }
+            p { "Products an hour, in bins of " (duration(width)) "." }
+            (charts::rate("Throughput over time in products an hour", &throughput, width, axis))
+            (behind(&["Time from", "Products an hour"], &throughput.iter().enumerate().map(|(bin, rate)| {
+                vec![duration(bin as f64 * width), figure(*rate)]
+            }).collect::<Vec<_>>()))
+        }
         @for (node, capacity, curve) in &buffers {
             h3 { "Parts in " (node.name) }
-            (charts::curve(&format!("Parts in {} over time", node.name), curve, recorder.counting, Some(*capacity)))
+            (charts::curve(&format!("Parts in {} over time", node.name), curve, axis, Some(*capacity)))
         }
         @if !rows.is_empty() {
             (behind(&["Buffer", "Passed", "Mean length", "Longest", "Full", "Mean wait", "Longest wait", "Expired"], &rows))
@@ -201,7 +222,7 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
         (behind(&headings, &rows))
         @if !unpowered.is_empty() { p { "No power is given for " (unpowered.join(", ")) "." } }
         h3 { "Power over time in kW, mean of each " (duration(width)) }
-        (charts::rate("Power over time in kilowatts", &kilowatts, width, recorder.end, recorder.counting))
+        (charts::rate("Power over time in kilowatts", &kilowatts, width, page.axis()))
     };
     section("energy", "Energy", &inside)
 }

@@ -7,11 +7,12 @@ use crate::Intervals;
 use crate::html::numbers::{count, figure, percent};
 use crate::html::parts::{links, section, table, tile};
 use crate::table::{bottleneck, required};
+use linewright_language::contract::date::{format_date, weekday};
 use linewright_language::contract::line::declared_name;
 use linewright_language::contract::metric::Measure;
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{End, Oee, duration};
-use linewright_line::{Bottleneck, Estimate, Trace};
+use linewright_line::{Bottleneck, Estimate, Trace, Verdict};
 use maud::{Markup, html};
 
 pub(super) fn header(page: &Page<'_>) -> Markup {
@@ -43,10 +44,65 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
                 @if page.traces.len() > 1 { "; the first of " (page.traces.len()) " runs, of which pictures, charts and tables are, unless they have intervals" }
                 @if trace.warm_up > 0.0 { "; the first " (duration(trace.warm_up)) " are the warm-up and do not count" }
                 ". " (ending(trace.end))
+                @if let Some(day) = page.line.first_day {
+                    " It begins on " (WEEKDAYS[usize::from(weekday(day))]) ", " (format_date(day)) ", at 0:00."
+                }
             }
+            p.conclusion { (conclusion(page)) }
             (links(sections.into_iter().filter(|(.., is_there)| *is_there).map(|(id, name, _)| (id, name))))
         }
     }
+}
+
+const WEEKDAYS: [&str; 7] = [
+    "Monday",
+    "Tuesday",
+    "Wednesday",
+    "Thursday",
+    "Friday",
+    "Saturday",
+    "Sunday",
+];
+
+/// What came out, in words: products, the bottleneck, requirements, violations.
+fn conclusion(page: &Page<'_>) -> String {
+    let trace = first(page);
+    if trace.products == 0 {
+        return "The line made no product.".to_owned();
+    }
+    let throughput =
+        estimate(page, Measure::Throughput).map_or(trace.throughput_per_hour, |of| of.mean);
+    let mut text = format!(
+        "The line makes {} products an hour; half of them are in it for less than {}.",
+        figure(throughput),
+        duration(trace.lead_time.p50)
+    );
+    match &trace.bottleneck {
+        Bottleneck::Station(candidate) => text += &format!(" {} limits it.", candidate.name),
+        Bottleneck::Source { .. } => {
+            text += " The sources limit it: no part had to wait for a station."
+        }
+        _ => {}
+    }
+    let judged = judged(page);
+    let requirements = page.line.requirements.iter().zip(&judged);
+    let failed = requirements.filter(|(_, (verdict, _))| *verdict == Verdict::Fails);
+    let failed: Vec<&str> = failed
+        .map(|(requirement, _)| requirement.name.as_str())
+        .collect();
+    if !failed.is_empty() {
+        text += &format!(" It does not meet: {}.", failed.join(", "));
+    } else if judged.iter().any(|(verdict, _)| *verdict != Verdict::Holds) {
+        text += " No requirement fails, but not all are decided.";
+    } else if !judged.is_empty() {
+        text += " All requirements hold.";
+    }
+    text += &match trace.violation_count {
+        0 => " No contract was violated.".to_owned(),
+        1 => " A contract was violated once.".to_owned(),
+        number => format!(" Contracts were violated {} times.", count(number)),
+    };
+    text
 }
 
 fn ending(end: End) -> &'static str {
@@ -162,41 +218,47 @@ fn rejected(trace: &Trace) -> String {
     }
 }
 
-pub(super) fn requirements(page: &Page<'_>) -> Markup {
-    let line = page.line;
-    if line.requirements.is_empty() {
-        return html! {};
-    }
+/// Verdict and measured value of each requirement.
+fn judged(page: &Page<'_>) -> Vec<(Verdict, String)> {
     let results = match page.intervals {
         Some(Intervals::Replications(runs)) => Some(&runs.requirements),
         Some(Intervals::Batches(batches)) => Some(&batches.requirements),
         None => None,
     };
-    let rows: Vec<Vec<String>> =
-        line.requirements
+    match results {
+        Some(results) => results
             .iter()
-            .enumerate()
-            .map(|(index, requirement)| {
-                let (verdict, value) = match results {
-                    Some(results) => results.get(index).map_or(("-", "-".to_owned()), |result| {
-                        (result.verdict.word(), interval(result.value))
-                    }),
-                    None => first(page).requirements.get(index).map_or(
-                        ("-", "-".to_owned()),
-                        |result| {
-                            let value = result.value.map_or("-".to_owned(), figure);
-                            (result.verdict().word(), value)
-                        },
-                    ),
-                };
-                vec![
-                    requirement.name.clone(),
-                    verdict.to_owned(),
-                    required(line, index),
-                    value,
-                ]
+            .map(|result| (result.verdict, interval(result.value)))
+            .collect(),
+        None => first(page)
+            .requirements
+            .iter()
+            .map(|result| {
+                let value = result.value.map_or("-".to_owned(), figure);
+                (result.verdict(), value)
             })
-            .collect();
+            .collect(),
+    }
+}
+
+pub(super) fn requirements(page: &Page<'_>) -> Markup {
+    let line = page.line;
+    if line.requirements.is_empty() {
+        return html! {};
+    }
+    let judged = judged(page);
+    let requirements = line.requirements.iter().enumerate();
+    let rows: Vec<Vec<String>> = requirements
+        .map(|(index, requirement)| {
+            let result = judged.get(index);
+            vec![
+                requirement.name.clone(),
+                result.map_or("-", |(verdict, _)| verdict.word()).to_owned(),
+                required(line, index),
+                result.map_or("-".to_owned(), |(_, value)| value.clone()),
+            ]
+        })
+        .collect();
     section(
         "requirements",
         "Requirements",
