@@ -318,15 +318,20 @@ fn verdict_on_contract(
 }
 
 /// How a play ends, in words.
-fn ending(play: &PlayEntry) -> String {
-    match (&play.never, play.clash.as_slice()) {
-        (Some(goal), _) => format!("The play goes on for ever, and `{goal}` never holds again."),
-        (None, []) => "The machine has no move in the last step.".to_owned(),
-        (None, [rule]) => format!("In the last step, no answer of the machine keeps `{rule}`."),
-        (None, rules) => format!(
-            "In the last step, no answer of the machine keeps all of these: {}.",
-            rules.join(", ")
-        ),
+fn ending(play: &PlayEntry) -> Markup {
+    html! {
+        @if let Some(goal) = &play.never {
+            "The play goes on for ever, and " code { (goal) } " never holds again."
+        } @else if play.clash.is_empty() {
+            "The machine has no move in the last step."
+        } @else {
+            "In the last step, no answer of the machine keeps "
+            @for (index, rule) in play.clash.iter().enumerate() {
+                @if index > 0 { (if index + 1 == play.clash.len() { " and " } else { ", " }) }
+                code { (rule) }
+            }
+            "."
+        }
     }
 }
 
