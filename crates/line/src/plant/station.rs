@@ -300,6 +300,13 @@ impl Station {
             self.book(now);
             return None;
         }
+        Some(self.work(now))
+    }
+
+    /// Continues setup or service in a station that is neither broken down nor off shift. Returns
+    /// the seconds until it ends or the station breaks down, and the number of this event.
+    #[inline]
+    fn work(&mut self, now: f64) -> (f64, u32) {
         let in_setup = self.phase == Phase::Setup;
         let activity = if in_setup {
             Activity::Setup
@@ -313,7 +320,7 @@ impl Station {
         let until_failure = self.until_failure();
         let fails = until_failure < self.remaining;
         let seconds = if fails { until_failure } else { self.remaining };
-        Some((seconds, self.number))
+        (seconds, self.number)
     }
 
     /// The activity of the interval that begins now, if one does; see [`Waits`].
@@ -508,8 +515,8 @@ impl Run<'_> {
     }
 
     /// A part arrives at a station that admits it.
+    #[inline]
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Arrived);
         let arriving = &self.parts[part];
         let kind = arriving.kind;
         let station = station_of(&mut self.nodes, node);
@@ -664,42 +671,52 @@ impl Run<'_> {
         self.scrap(node, part);
     }
 
-    /// Begins to process a part, with setup first if the part type has changed.
+    /// Begins to process a part in a station that can begin, with setup first if the part type has
+    /// changed.
     #[expect(
         clippy::inline_always,
         reason = "a call would cost a good part of the body"
     )]
     #[inline(always)]
     fn begin(&mut self, node: usize, task: u32, part: PartIndex) {
-        let kind = self.parts[part].kind;
+        let now = self.now;
         let station = station_of(&mut self.nodes, node);
-        let changes = station.last_kind.is_some_and(|last| last != kind);
-        if station.waits.is_starved() {
+        debug_assert!(station.can_begin());
+        let begun = &mut self.parts[part];
+        let changes = station.last_kind.is_some_and(|last| last != begun.kind);
+        station.accept(part, task, begun, now);
+        let seconds = if changes { None } else { station.draw_time() };
+        let Some(seconds) = seconds else {
+            return self.begin_otherwise(node, part, changes);
+        };
+        station.start(seconds, seconds * station.watts, 0.0);
+        let (seconds, number) = station.work(now);
+        // The wait ends at this instant, so it can be charged after the work has been booked.
+        let was_starved = station.waits.is_starved();
+        self.schedule_end(node, seconds, number);
+        if was_starved {
+            self.end_starving(node);
+        }
+        self.record_start(node, part);
+    }
+
+    /// Begins setup, or a service whose duration a controller determines.
+    #[inline(never)]
+    fn begin_otherwise(&mut self, node: usize, part: PartIndex, changes: bool) {
+        if self.station(node).waits.is_starved() {
             self.end_starving(node);
         }
         if changes {
-            self.begin_setup(node, task, part);
-            return;
-        }
-        self.record(node, Some(part), EventKind::Started);
-        let now = self.now;
-        let station = station_of(&mut self.nodes, node);
-        station.accept(part, task, &mut self.parts[part], now);
-        if let Some(seconds) = station.draw_time() {
-            station.start(seconds, seconds * station.watts, 0.0);
-            let end = station.resume(now);
-            self.schedule_end(node, end);
+            self.begin_setup(node, part);
         } else {
-            self.serve_with_controller(node, part);
+            self.serve_part(node, part);
         }
     }
 
-    /// Begins setup for a part or, if this takes no time, its service.
-    #[inline(never)]
-    fn begin_setup(&mut self, node: usize, task: u32, part: PartIndex) {
-        let now = self.now;
-        let station = station_of(&mut self.nodes, node);
-        station.accept(part, task, &mut self.parts[part], now);
+    /// Begins setup for a part that the station has accepted or, if this takes no time, its
+    /// service.
+    fn begin_setup(&mut self, node: usize, part: PartIndex) {
+        let station = self.station(node);
         let seconds = station.setup.draw();
         if seconds <= 0.0 {
             self.serve_part(node, part);
@@ -717,29 +734,20 @@ impl Run<'_> {
     #[inline(never)]
     fn serve_part(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Started);
-        let now = self.now;
-        let station = station_of(&mut self.nodes, node);
+        let station = self.station(node);
         if let Some(seconds) = station.draw_time() {
             station.start(seconds, seconds * station.watts, 0.0);
-            let end = station.resume(now);
-            self.schedule_end(node, end);
+            self.resume(node);
         } else {
             self.serve_with_controller(node, part);
         }
     }
 
-    /// Schedules the end of setup or service, or the failure before it, if the station works. Its
-    /// state has changed.
+    /// Schedules the end of setup or service, or the failure before it.
     #[inline]
-    fn schedule_end(&mut self, node: usize, end: Option<(f64, u32)>) {
-        if let Some((seconds, number)) = end {
-            self.schedule(
-                self.now + seconds,
-                WORK,
-                Event::Station(node as u32, number),
-            );
-        }
-        self.record_state(node);
+    fn schedule_end(&mut self, node: usize, seconds: f64, number: u32) {
+        let event = Event::Station(node as u32, number);
+        self.schedule(self.now + seconds, WORK, event);
     }
 
     #[inline(never)]
@@ -817,8 +825,10 @@ impl Run<'_> {
     #[inline(never)]
     fn resume(&mut self, node: usize) {
         let now = self.now;
-        let end = self.station(node).resume(now);
-        self.schedule_end(node, end);
+        if let Some((seconds, number)) = self.station(node).resume(now) {
+            self.schedule_end(node, seconds, number);
+        }
+        self.record_state(node);
     }
 
     /// Setup or service ends, or the station breaks down.
@@ -894,8 +904,7 @@ impl Run<'_> {
         if has_properties {
             self.change_properties(node, part);
         }
-        self.record(node, Some(part), EventKind::Ended);
-        self.record_state(node);
+        self.record_end(node, part);
         if can_strike {
             self.strike_finished(node);
         }
