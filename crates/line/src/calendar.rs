@@ -6,21 +6,22 @@
 //! with the same time and priority happen in the order in which they were scheduled, on every
 //! platform.
 //!
-//! The next few events are kept in an array of fixed size, the later ones in a binary heap. The
-//! least key of the array is found by comparisons whose results no branch depends on: which event
-//! is next cannot be predicted, so each branch would be mispredicted half of the time. In a small
-//! line, there are no later events; in a large one, an event takes logarithmic time.
-
-use std::hint::select_unpredictable;
+//! The next few events lie in an array of fixed size, the later ones in a binary heap. The events of
+//! the array stay where they are; their order is kept beside it, in the digits of one number. A new
+//! event gets its place in this order by comparisons whose results no branch depends on: when an
+//! event happens cannot be predicted, so branches would often be mispredicted. In a small line,
+//! there are no later events; in a large one, an event takes logarithmic time.
 
 /// Future events, sorted by time; see the module documentation.
 #[derive(Debug, Clone)]
 pub struct Calendar<E> {
-    /// The keys of the next events, followed by [`NONE`]; all are `NONE` only if there are no
-    /// events.
+    /// The keys of the next events, and [`NONE`] in the slots without one; all are `NONE` only if
+    /// there are no events.
     keys: [u128; NEAR],
-    /// The next events, in the order of `keys`.
+    /// The next events, in the same slots.
     events: [Option<E>; NEAR],
+    /// All slots, the one with the first event in the lowest digit, those without one at the end.
+    order: u32,
     /// Number of next events.
     near: usize,
     /// All other events, each later than the next ones, as a binary heap.
@@ -37,8 +38,14 @@ struct Entry<E> {
 /// Number of key bits for the sequence number; the eight bits above hold the priority.
 const NUMBER_BITS: u32 = 56;
 
-/// Maximum number of events in the array.
+/// Maximum number of events in the array: as many as an `order` has digits.
 const NEAR: usize = 8;
+
+/// Number of bits of a digit of an `order`.
+const DIGIT_BITS: u32 = u32::BITS / NEAR as u32;
+
+/// The order of slots without events.
+const SLOTS: u32 = 0x7654_3210;
 
 /// A key later than that of any event.
 const NONE: u128 = u128::MAX;
@@ -49,6 +56,7 @@ impl<E: Copy> Calendar<E> {
         Self {
             keys: [NONE; NEAR],
             events: [None; NEAR],
+            order: SLOTS,
             near: 0,
             far: Vec::new(),
             scheduled: 0,
@@ -79,9 +87,12 @@ impl<E: Copy> Calendar<E> {
     /// time logarithmic in the number of events.
     #[inline]
     pub fn take(&mut self) -> Option<(f64, E)> {
-        let next = least(&self.keys);
+        let next = first_slot(self.order);
         let (key, event) = (self.keys[next], self.events[next]?);
-        self.remove_near(next);
+        self.keys[next] = NONE;
+        self.events[next] = None;
+        self.order = self.order.rotate_right(DIGIT_BITS);
+        self.near -= 1;
         if self.near == 0 && !self.far.is_empty() {
             self.bring_near();
         }
@@ -105,33 +116,37 @@ impl<E: Copy> Calendar<E> {
             self.exchange(key, event);
             return;
         }
-        self.keys[self.near] = key;
-        self.events[self.near] = Some(event);
+        self.insert(key, event);
         self.near += 1;
     }
 
-    /// Removes an event from the array.
+    /// Puts an event that is earlier than that of the last slot, if there is one, into this slot.
     #[inline]
-    fn remove_near(&mut self, at: usize) {
-        self.near -= 1;
-        self.keys[at] = self.keys[self.near];
-        self.events[at] = self.events[self.near];
-        self.keys[self.near] = NONE;
-        self.events[self.near] = None;
+    fn insert(&mut self, key: u128, event: E) {
+        let last = last_slot(self.order);
+        self.order = inserted(self.order, self.position(key), last);
+        self.keys[last] = key;
+        self.events[last] = Some(event);
+    }
+
+    /// Number of events in the array that are earlier than this key.
+    #[inline]
+    fn position(&self, key: u128) -> usize {
+        self.keys.iter().map(|near| usize::from(*near < key)).sum()
     }
 
     /// Adds an event to a full array, and puts the latest event with the far ones.
     #[inline(never)]
     fn exchange(&mut self, key: u128, event: E) {
-        let latest = (0..NEAR).max_by_key(|at| self.keys[*at]).unwrap_or(0);
-        match self.events[latest] {
-            Some(near) if key < self.keys[latest] => {
+        let last = last_slot(self.order);
+        let latest = self.keys[last];
+        match self.events[last] {
+            Some(near) if key < latest => {
                 self.put_far(Entry {
-                    key: self.keys[latest],
+                    key: latest,
                     event: near,
                 });
-                self.keys[latest] = key;
-                self.events[latest] = Some(event);
+                self.insert(key, event);
             }
             _ => self.put_far(Entry { key, event }),
         }
@@ -195,19 +210,25 @@ impl<E: Copy> Default for Calendar<E> {
     }
 }
 
-/// Index of the least key.
+/// The first slot of an order.
 #[inline]
-fn least(keys: &[u128; NEAR]) -> usize {
-    let earlier = |a: (u128, usize), b: (u128, usize)| {
-        let is_later = b.0 < a.0;
-        (
-            select_unpredictable(is_later, b.0, a.0),
-            select_unpredictable(is_later, b.1, a.1),
-        )
-    };
-    let of_two = |first: usize| earlier((keys[first], first), (keys[first + 1], first + 1));
-    let of_four = |first: usize| earlier(of_two(first), of_two(first + 2));
-    earlier(of_four(0), of_four(4)).1
+fn first_slot(order: u32) -> usize {
+    order as usize % NEAR
+}
+
+/// The last slot of an order.
+#[inline]
+fn last_slot(order: u32) -> usize {
+    first_slot(order.rotate_left(DIGIT_BITS))
+}
+
+/// An order in which the last slot has moved to this position, which is less than [`NEAR`].
+#[inline]
+fn inserted(order: u32, position: usize, last: usize) -> u32 {
+    let shift = position as u32 * DIGIT_BITS;
+    let earlier = order & ((1 << shift) - 1);
+    let later = (order - earlier) << DIGIT_BITS;
+    earlier | (last as u32) << shift | later
 }
 
 fn time_of(key: u128) -> f64 {

@@ -326,7 +326,7 @@ impl<'a> Walk<'a> {
 
     fn come_to_station(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
-        // The same rules as in the runner (`plant/station.rs`).
+        // The same rules as in the runner (`plant/station/work.rs`).
         let comes = |kind: usize| {
             let mut routes = self.line.routes.iter();
             routes.any(|r| r.to == node && r.part == kind)

@@ -38,7 +38,7 @@ impl Run<'_> {
                 .count_product(self.events, self.journal.violation_count);
             self.count_in_batch(part);
             if self.is_counting() && self.setup.target == Some(self.counters.products) {
-                self.end = Some(End::Products);
+                self.stop(End::Products);
             }
         }
         self.leave_line(part);

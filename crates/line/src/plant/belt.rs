@@ -196,7 +196,7 @@ impl<'a> Run<'a> {
         let moved = match self.compare(node, &occupied) {
             Ok(moved) => moved,
             Err(message) => {
-                self.end = Some(End::PartLost);
+                self.stop(End::PartLost);
                 self.journal.findings.push(
                     Diagnostic::error(codes::LINE_PART_LOST, self.line.nodes[node].span, message)
                         .with_help(
@@ -414,7 +414,6 @@ impl<'a> Run<'a> {
 
     /// Puts an arriving part onto the belt or, if it comes from another belt, into the inlet.
     pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Arrived);
         if matches!(self.nodes[from].place, Place::Belt(_)) {
             let order = self.next_number();
             self.belt(node).inlet = Some((part, order));

@@ -6,7 +6,6 @@
 use super::part::{Part, PartIndex};
 use super::{Event, Place, Run, WORK};
 use crate::calls::Real;
-use crate::log::EventKind;
 use crate::sampler::Sampler;
 use crate::statistics::{Level, Waits};
 use linewright_language::contract::line::BufferOrder;
@@ -247,11 +246,11 @@ impl Buffer {
     /// The first part leaves.
     #[inline]
     pub(super) fn take(&mut self, now: f64) {
-        let taken = match &mut self.ready {
-            Ready::Queue(queue) => queue.pop_front(),
-            Ready::Ranked(ranked) => pop_first(ranked),
+        let since = match &mut self.ready {
+            Ready::Queue(queue) => queue.pop_front().map(|taken| taken.since),
+            Ready::Ranked(ranked) => pop_first(ranked).map(|taken| taken.since),
         };
-        if let Some(Waiting { since, .. }) = taken {
+        if let Some(since) = since {
             self.turn = None;
             self.level.decrease(now);
             self.waits.add(now - since);
@@ -315,7 +314,6 @@ impl Run<'_> {
             Place::Buffer(buffer) => buffer.put_ranked(part, &self.parts[part], now),
             _ => unreachable!("node {node} is not a buffer; please report this"),
         };
-        self.record(node, Some(part), EventKind::Arrived);
         if let Some(time) = arrival.ready_at {
             self.schedule(time, WORK, Event::Rested(node as u32));
         }

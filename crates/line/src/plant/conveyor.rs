@@ -12,7 +12,6 @@
 //! - When the first part leaves, all parts that had closed up start moving together.
 
 use super::{Event, Place, Run, WORK};
-use crate::log::EventKind;
 use crate::plant::part::PartIndex;
 use std::collections::VecDeque;
 
@@ -90,7 +89,6 @@ impl Conveyor {
 
 impl Run<'_> {
     pub(super) fn conveyor_arrival(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Arrived);
         let now = self.now;
         let Place::Conveyor(conveyor) = &mut self.nodes[node].place else {
             return;

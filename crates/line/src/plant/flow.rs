@@ -30,7 +30,6 @@ use super::part::PartIndex;
 use super::queue::Request;
 use super::ways::Way;
 use super::{Node, Place, Run};
-use crate::log::{EventKind, Other};
 use linewright_language::contract::line::{Line, NodeKind};
 use std::ops::Range;
 
@@ -97,7 +96,7 @@ impl Run<'_> {
     /// Whether nothing must move any more, because the run ends.
     #[inline]
     fn is_over(&self) -> bool {
-        self.end.is_some() || self.progress.is_stuck_at_instant()
+        self.progress.is_stuck_at_instant()
     }
 
     /// Examines nodes until nothing moves any more at this instant.
@@ -120,17 +119,12 @@ impl Run<'_> {
         let examined = &mut self.nodes[node];
         examined.is_listed = false;
         match &examined.place {
-            Place::Station(station) => {
-                if station.joins_some() {
-                    self.station_ready(node);
-                    if self.is_over() {
-                        return;
-                    }
-                    self.serve(node);
-                } else if !examined.requests.is_empty() {
-                    self.serve_requests(node);
+            Place::Station(station) if !station.joins_some() => {}
+            Place::Station(_) => {
+                self.station_ready(node);
+                if self.is_over() {
+                    return;
                 }
-                self.begin_wait(node);
             }
             Place::Buffer(_) => {
                 while let examined = &self.nodes[node]
@@ -143,10 +137,11 @@ impl Run<'_> {
                         return;
                     }
                 }
-                self.serve(node);
             }
-            _ => self.examine_otherwise(node),
+            _ => return self.examine_otherwise(node),
         }
+        self.serve(node);
+        self.begin_wait(node);
     }
 
     /// Examines a node that is neither a station nor a buffer.
@@ -179,7 +174,7 @@ impl Run<'_> {
             Place::Belt(_) | Place::Sink | Place::Station(_) | Place::Buffer(_) => {}
         }
         if !self.is_over() {
-            self.serve(node);
+            self.serve_several(node);
             self.reopen_later(node);
         }
     }
@@ -191,8 +186,8 @@ impl Run<'_> {
 
     /// Handles a part that is ready to leave: chooses its way, then moves it or lets it wait.
     ///
-    /// Most parts go to a place for which nobody waits, or wait for a station or a buffer without
-    /// room. That is decided here, and everything else in [`Self::offer_in_turn`].
+    /// Most parts go to a place for which nobody waits, or are the first to wait for a station or a
+    /// buffer without room. That is decided here, and everything else in [`Self::offer_in_turn`].
     pub(super) fn offer(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
         let Some(to) = self.setup.ways.always(node, kind) else {
@@ -208,16 +203,17 @@ impl Run<'_> {
             Place::Sink => true,
             _ => return self.offer_in_turn(node, outlet, part),
         };
-        if !has_room {
-            self.wait_for(node, outlet, part, kind, to);
-        } else if requests.is_empty() {
+        if !requests.is_empty() {
+            self.offer_in_turn(node, outlet, part);
+        } else if has_room {
             self.hand_over(node, to, part);
         } else {
-            self.offer_in_turn(node, outlet, part);
+            self.wait_for(node, outlet, part, kind, to);
         }
     }
 
-    /// Lets a part wait at an outlet for the only place to which it goes.
+    /// Lets a part wait at an outlet for the only place to which it goes: a buffer or a station for
+    /// which nobody waits.
     #[inline(never)]
     fn wait_for(&mut self, node: usize, outlet: usize, part: PartIndex, kind: usize, to: usize) {
         let offered = Outlet {
@@ -225,22 +221,19 @@ impl Run<'_> {
             to: Some(Way::To(to as u32)),
         };
         let waiting = &mut self.nodes[node];
+        let (since, is_station) = match &mut waiting.place {
+            Place::Buffer(buffer) => (buffer.turn.take(), false),
+            place => (None, matches!(place, Place::Station(_))),
+        };
         if outlet == node {
             waiting.outlet = offered;
         } else {
-            let count = self.nodes.len();
-            self.store_outlets[outlet - count] = offered;
+            *self.outlet_mut(outlet) = offered;
         }
-        match &mut self.nodes[node].place {
-            Place::Buffer(buffer) => {
-                let since = buffer.turn.take();
-                self.request(node, outlet, to, kind, since);
-            }
-            Place::Station(_) => {
-                self.request(node, outlet, to, kind, None);
-                self.begin_wait(node);
-            }
-            _ => self.request(node, outlet, to, kind, None),
+        let request = self.new_request(node, outlet, kind, since);
+        self.nodes[to].requests.insert_only(request);
+        if is_station {
+            self.begin_wait(node);
         }
     }
 
@@ -292,16 +285,27 @@ impl Run<'_> {
     /// turn of an earlier request with the sequence number `since`, if there is one.
     #[inline]
     fn request(&mut self, from: usize, outlet: usize, to: usize, kind: usize, since: Option<u64>) {
-        let order = since.unwrap_or_else(|| self.next_number());
-        let request = Request {
-            order,
+        let request = self.new_request(from, outlet, kind, since);
+        self.register(to, request);
+    }
+
+    /// The request of an outlet of a node that is no belt.
+    #[inline]
+    fn new_request(
+        &mut self,
+        from: usize,
+        outlet: usize,
+        kind: usize,
+        since: Option<u64>,
+    ) -> Request {
+        Request {
+            order: since.unwrap_or_else(|| self.next_number()),
             outlet: outlet as u32,
             kind: kind as u32,
             from: from as u32,
             is_belt: false,
             declined: false,
-        };
-        self.register(to, request);
+        }
     }
 
     /// Registers a request to a node.
@@ -395,27 +399,25 @@ impl Run<'_> {
     /// Admits waiting parts to a node as long as there is room; see [Turns](self#turns).
     #[inline]
     fn serve(&mut self, node: usize) {
-        if !self.nodes[node].requests.is_empty() {
-            self.serve_requests(node);
+        let awaited = &mut self.nodes[node];
+        if awaited.requests.is_empty() {
+            return;
+        }
+        let Some(&request) = awaited.requests.only() else {
+            return self.serve_several(node);
+        };
+        let admits = match &awaited.place {
+            Place::Buffer(buffer) if !request.is_belt => buffer.has_room(),
+            Place::Station(station) if !request.is_belt => station.admits(request.kind as usize),
+            _ => return self.serve_several(node),
+        };
+        if admits {
+            awaited.requests.clear();
+            self.transfer(request.from as usize, request.outlet as usize, node);
         }
     }
 
-    #[inline(never)]
-    fn serve_requests(&mut self, node: usize) {
-        let requests = &self.nodes[node].requests;
-        match requests.only() {
-            Some(&request) if !request.is_belt => {
-                let from = request.from as usize;
-                if self.admits(node, request.kind as usize, from) {
-                    self.nodes[node].requests.clear();
-                    self.transfer(from, request.outlet as usize, node);
-                }
-            }
-            _ => self.serve_several(node),
-        }
-    }
-
-    /// The same for several requests, or that of a belt.
+    /// The same for any number of requests, also those of belts, to any place.
     #[inline(never)]
     fn serve_several(&mut self, node: usize) {
         let mut next = 0;
@@ -461,32 +463,28 @@ impl Run<'_> {
     fn hand_over(&mut self, from: usize, to: usize, part: PartIndex) {
         self.progress.count_movement();
         let now = self.now;
-        match &mut self.nodes[from].place {
+        let left = &mut self.nodes[from];
+        self.agenda.push(from, &mut left.is_listed);
+        match &mut left.place {
             Place::Buffer(buffer) => buffer.take(now),
             Place::Station(station) => {
                 self.parts[part].came_from = Some(from as u32);
                 if station.waits.is_waiting() {
                     self.end_wait(from);
-                    self.station_left(from);
+                    self.station(from).clear(now);
                 } else {
                     station.clear(now);
-                    self.record_state(from);
                 }
             }
             _ => self.leave_otherwise(from, to, part),
         }
-        self.record_with(from, Some(part), EventKind::Left, Some(Other::Node(to)));
-        self.look_at(from);
-        match &mut self.nodes[to].place {
-            Place::Buffer(buffer) => {
-                if buffer.is_plain() {
-                    let is_next = buffer.put(part, now);
-                    self.record(to, Some(part), EventKind::Arrived);
-                    if is_next {
-                        self.overtake(to);
-                    }
-                } else {
-                    self.buffer_arrival(to, part);
+        self.record_movement(from, to, part);
+        let reached = &mut self.nodes[to];
+        match &mut reached.place {
+            Place::Buffer(buffer) if buffer.is_plain() => {
+                // Its outlet is empty if it was empty.
+                if buffer.put(part, now) {
+                    self.agenda.push(to, &mut reached.is_listed);
                 }
             }
             Place::Station(_) => self.station_arrival(to, part),
@@ -494,7 +492,7 @@ impl Run<'_> {
         }
     }
 
-    /// A part arrives at a node that is neither a station nor a buffer.
+    /// A part arrives at a node that is neither a station nor a plain buffer.
     #[inline(never)]
     fn arrive_otherwise(&mut self, from: usize, to: usize, part: PartIndex) {
         match &self.nodes[to].place {
@@ -502,7 +500,8 @@ impl Run<'_> {
             Place::Store(_) => self.store(to, part),
             Place::Conveyor(_) => self.conveyor_arrival(to, part),
             Place::Belt(_) => self.belt_arrival(from, to, part),
-            Place::Source(_) | Place::Station(_) | Place::Buffer(_) => {}
+            Place::Buffer(_) => self.buffer_arrival(to, part),
+            Place::Source(_) | Place::Station(_) => {}
         }
     }
 

@@ -12,8 +12,6 @@ use linewright_language::contract::line::NodeKind;
 #[derive(Default)]
 pub(super) struct Recorder<'a> {
     pub observer: Option<&'a mut dyn Observer>,
-    /// The node that a part left last.
-    left: usize,
     /// By node.
     known: Vec<Known>,
 }
@@ -67,6 +65,57 @@ impl Run<'_> {
         }
     }
 
+    /// Records that a part has moved from one node to another, if there is an observer. The state
+    /// of a station may have changed when the part left it.
+    #[inline]
+    pub(super) fn record_movement(&mut self, from: usize, to: usize, part: PartIndex) {
+        if self.is_observed() {
+            self.log_movement(from, to, part);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn log_movement(&mut self, from: usize, to: usize, part: PartIndex) {
+        if let Place::Station(_) = self.nodes[from].place {
+            self.log_state(from);
+        }
+        let (left, arrived) = (Some(Other::Node(to)), Some(Other::Node(from)));
+        self.log(from, Some(part), EventKind::Left, left);
+        self.log(to, Some(part), EventKind::Arrived, arrived);
+    }
+
+    /// Records that a station begins to work on a part, and its state, if there is an observer.
+    #[inline]
+    pub(super) fn record_start(&mut self, node: usize, part: PartIndex) {
+        if self.is_observed() {
+            self.log_start(node, part);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn log_start(&mut self, node: usize, part: PartIndex) {
+        self.log(node, Some(part), EventKind::Started, None);
+        self.log_state(node);
+    }
+
+    /// Records that the work of a station on a part has ended, and its state, if there is an
+    /// observer.
+    #[inline]
+    pub(super) fn record_end(&mut self, node: usize, part: PartIndex) {
+        if self.is_observed() {
+            self.log_end_of_work(node, part);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn log_end_of_work(&mut self, node: usize, part: PartIndex) {
+        self.log(node, Some(part), EventKind::Ended, None);
+        self.log_state(node);
+    }
+
     /// Whether there is an observer.
     #[inline]
     pub(super) fn is_observed(&self) -> bool {
@@ -80,11 +129,7 @@ impl Run<'_> {
         entry.part = part.map(|part| (self.parts[part].number, self.parts[part].kind));
         entry.other = other;
         match what {
-            EventKind::Arrived => entry.other = Some(Other::Node(self.recorder.left)),
-            EventKind::Left => {
-                self.recorder.left = node;
-                self.tell_movement(&mut entry);
-            }
+            EventKind::Left => self.tell_movement(&mut entry),
             EventKind::Ended => {
                 let (seconds, control_seconds) = self.station(node).work_ended();
                 entry.seconds = Some(seconds);

@@ -19,12 +19,15 @@ const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
 /// Maximum number of violations since the last end product, with the same meaning.
 const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 
+/// Stands for the number of movements and events at an instant at which nothing must move any more.
+const STOPPED: u64 = u64::MAX / 2;
+
 /// Activity since time last advanced, and since the last end product.
 #[derive(Debug)]
 pub(super) struct Progress {
     /// Time of the current instant, in seconds.
     instant: f64,
-    /// Number of movements and events at this instant.
+    /// Number of movements and events at this instant, or [`STOPPED`] and above.
     at_instant: u64,
     /// Number of violations at this instant.
     pub violations_at_instant: u64,
@@ -85,12 +88,17 @@ impl Progress {
     /// Counts the run as a livelock after too many violations at this instant.
     pub(super) fn limit_violations(&mut self) {
         if self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT {
-            self.at_instant = u64::MAX / 2;
+            self.stop();
         }
     }
 
-    /// Whether the run counts as a livelock, because of the number of movements, events or
-    /// violations since time last advanced.
+    /// Lets nothing move any more at this instant, because the run ends.
+    fn stop(&mut self) {
+        self.at_instant = STOPPED;
+    }
+
+    /// Whether nothing must move any more at this instant: the run ends, or it counts as a livelock
+    /// because of the number of movements, events or violations since time last advanced.
     #[inline]
     pub(super) fn is_stuck_at_instant(&self) -> bool {
         self.at_instant > MAX_AT_ONE_INSTANT
@@ -103,6 +111,12 @@ impl Progress {
 }
 
 impl Run<'_> {
+    /// Ends the run while something happens: nothing moves any more at this instant.
+    pub(super) fn stop(&mut self, end: End) {
+        self.end = Some(end);
+        self.progress.stop();
+    }
+
     /// Looks whether the run still makes progress; if not, ends it.
     #[inline]
     pub(super) fn guard(&mut self) {

@@ -81,10 +81,16 @@ impl Requests {
     #[inline]
     pub(super) fn insert(&mut self, request: Request) {
         if self.first.is_none() {
-            self.first = Some(request);
+            self.insert_only(request);
         } else {
             self.insert_among_others(request);
         }
+    }
+
+    /// Adds a request if there is none.
+    #[inline]
+    pub(super) fn insert_only(&mut self, request: Request) {
+        self.first = Some(request);
     }
 
     #[cold]

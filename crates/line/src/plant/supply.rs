@@ -318,7 +318,6 @@ impl Run<'_> {
 
     /// Puts a part into a store: either it is complete and stays, or it waits to leave again.
     pub(super) fn store(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Arrived);
         let kind = self.parts[part].kind;
         if self.setup.ways.from(node, kind).is_empty() {
             self.complete(node, part);
@@ -330,7 +329,6 @@ impl Run<'_> {
 
     /// A part enters a sink.
     pub(super) fn sink(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), EventKind::Arrived);
         match self.line.nodes[node].kind {
             NodeKind::Sink {
                 reject: true,
