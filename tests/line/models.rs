@@ -276,6 +276,7 @@ impl Builder {
             from: self.node(from),
             to: self.node(to),
             condition,
+            condition_span: None,
             choice: None,
             span: span(),
         };

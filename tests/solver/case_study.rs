@@ -63,8 +63,8 @@ fn every_format_is_written_and_always_the_same() {
         let rows = json["transitions"].as_array().expect("a list").len();
         assert_eq!(rows + first.initial.len(), first.transition_count());
         assert_eq!(picture::to_dot(&first), picture::to_dot(&second));
-        let svg = picture::to_svg(&first);
-        assert_eq!(svg, picture::to_svg(&second));
+        let svg = picture::to_svg(&first, Some(&specification));
+        assert_eq!(svg, picture::to_svg(&second, Some(&specification)));
         assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
         if let Ok(folder) = std::env::var("LINEWRIGHT_SVG") {
             let name = format!("{folder}/{}", specification.name);
