@@ -97,7 +97,7 @@ impl Drawing {
             }
             "path" => {
                 let data = attribute(element, "d").replace(['M', 'L', 'Q'], " ");
-                let numbers = data.split_whitespace().map(|n| n.parse::<f64>());
+                let numbers = data.split_whitespace().map(str::parse::<f64>);
                 let numbers: Vec<f64> = numbers.map(|n| n.expect("a number")).collect();
                 let points = numbers.chunks(2).map(|p| [p[0], p[1], p[0], p[1]]);
                 self.shapes.extend(points);
@@ -217,6 +217,71 @@ fn all_of_the_library_and_the_examples_is_drawn_without_overlaps() {
     assert!(files.len() > 30);
     let faults: Vec<String> = files.par_iter().flat_map(|path| drawn(path)).collect();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn what_cannot_be_drawn_is_explained() {
+    let turn = "contracts/handling/turn.lw";
+    let cell = "examples/transfer/cell.lw";
+    let cases: [(&[&str], i32, &str); 9] = [
+        (
+            &[cell],
+            2,
+            "there are 4 results: give an output folder with --out DIR",
+        ),
+        (
+            &["contracts/handling/turn.lw::Twist"],
+            2,
+            "nothing to draw with the name `Twist`: write `contracts/handling/turn.lw::NAME`",
+        ),
+        (
+            &["contracts/common/command.lw"],
+            2,
+            "give a file with a contract, a machine, a line or a skill set",
+        ),
+        (
+            &[turn, "--around", "S99"],
+            2,
+            "`Turn` has no state `S99`: its states are S0 to S12",
+        ),
+        (
+            &["examples/loader/line.lw::Loader", "--around", "S0"],
+            2,
+            "--around needs one contract",
+        ),
+        (&[turn, "--steps", "2"], 2, "--around"),
+        (&[turn, "--format", "sarif"], 2, "a drawing has no findings"),
+        (&["tests/cases/cli/type.lw"], 1, "error[LW1"),
+        (
+            &["tests/cases/cli/unrealizable.lw"],
+            0,
+            "so its counterstrategy is drawn",
+        ),
+    ];
+    for (arguments, code, message) in cases {
+        let arguments: Vec<&str> = ["draw"].iter().chain(arguments).copied().collect();
+        let output = support::linewright(support::root(), &arguments);
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {printed}");
+        assert!(printed.contains(message), "{arguments:?}: {printed}");
+    }
+}
+
+/// The part around a state has the states that its edges lead to, and no others.
+#[test]
+fn a_part_of_a_controller_is_drawn() {
+    let turn = ["draw", "contracts/handling/turn.lw", "--around", "S12"];
+    let states = |more: &[&str]| {
+        let arguments: Vec<&str> = turn.iter().chain(more).copied().collect();
+        let output = support::linewright(support::root(), &arguments);
+        let svg = String::from_utf8_lossy(&output.stdout).into_owned();
+        let texts = Drawing::read(&svg).texts.into_iter().map(|(text, _)| text);
+        let mut states: Vec<String> = texts.filter(|text| text.starts_with('S')).collect();
+        states.sort();
+        states
+    };
+    assert_eq!(states(&[]), ["S11", "S12"]);
+    assert_eq!(states(&["--steps", "2"]), ["S11", "S12", "S8", "S9"]);
 }
 
 /// Each of these must be found.

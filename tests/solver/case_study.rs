@@ -57,6 +57,10 @@ fn every_format_is_written_and_always_the_same() {
     for specification in fixtures::contracts() {
         let (first, second) = (machine(&specification), machine(&specification));
         assert_eq!(first, second);
+        let goals = specification.guarantees.justice.len().max(1);
+        let is_known = |own: &Vec<usize>| !own.is_empty() && own.iter().all(|goal| *goal < goals);
+        assert_eq!(first.goals.len(), first.states.len());
+        assert!(first.goals.iter().all(is_known), "{:?}", first.goals);
         let json = json::to_json(&first, true);
         assert_eq!(json["schema"], "linewright/machine/1");
         assert_eq!(json["states"], first.states.len());
