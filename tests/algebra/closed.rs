@@ -215,6 +215,7 @@ fn table(random: &mut Random, machine: &Machine, component: usize, gaps: u64) ->
         outputs,
         initial,
         states,
+        goals: Vec::new(),
     }
     .into()
 }

@@ -4,6 +4,7 @@ mod algebra;
 mod book;
 mod browser;
 mod cli;
+mod drawings;
 mod hostile;
 mod imports;
 mod project;

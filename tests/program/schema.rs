@@ -30,6 +30,7 @@ const COMMANDS: &[&str] = &[
     "synth contracts/handling/turn.lw --emit json --out controllers",
     "synth --counterstrategy examples/repair-me/1-clash.lw",
     "synth examples/repair-me/1-clash.lw",
+    "draw contracts/handling/turn.lw::Turn --out contracts/handling/turn.lw",
     "import examples/other-tools/arbiter.spc --out examples/other-tools/arbiter.spc",
     "import cases/cli/nowhere.spc",
     "build examples/loader/line.lw --out built",

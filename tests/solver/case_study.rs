@@ -57,14 +57,18 @@ fn every_format_is_written_and_always_the_same() {
     for specification in fixtures::contracts() {
         let (first, second) = (machine(&specification), machine(&specification));
         assert_eq!(first, second);
+        let goals = specification.guarantees.justice.len().max(1);
+        let is_known = |own: &Vec<usize>| !own.is_empty() && own.iter().all(|goal| *goal < goals);
+        assert_eq!(first.goals.len(), first.states.len());
+        assert!(first.goals.iter().all(is_known), "{:?}", first.goals);
         let json = json::to_json(&first, true);
         assert_eq!(json["schema"], "linewright/machine/1");
         assert_eq!(json["states"], first.states.len());
         let rows = json["transitions"].as_array().expect("a list").len();
         assert_eq!(rows + first.initial.len(), first.transition_count());
         assert_eq!(picture::to_dot(&first), picture::to_dot(&second));
-        let svg = picture::to_svg(&first);
-        assert_eq!(svg, picture::to_svg(&second));
+        let svg = picture::to_svg(&first, Some(&specification));
+        assert_eq!(svg, picture::to_svg(&second, Some(&specification)));
         assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
         if let Ok(folder) = std::env::var("LINEWRIGHT_SVG") {
             let name = format!("{folder}/{}", specification.name);

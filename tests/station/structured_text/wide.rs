@@ -72,6 +72,7 @@ fn sixty_four_bits_are_lint() {
         outputs: vec![port("y", low, high)],
         initial: transitions.clone(),
         states: vec![transitions],
+        goals: Vec::new(),
     };
     let specification = Specification {
         name: "Long".to_owned(),

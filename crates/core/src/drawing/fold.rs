@@ -7,6 +7,7 @@
 use super::layers::{
     Direction, Link, PlacedLink, Placement, Point, Size, Spacing, moved_to_origin, place,
 };
+use std::cmp::Ordering;
 use std::fmt::Write as _;
 
 /// Width in SVG units beyond which a picture is folded.
@@ -59,14 +60,17 @@ fn fold(placed: Placement, sizes: &[Size], links: &[Link]) -> Placement {
         .collect();
     let mut lanes = vec![0.0; rows.len() + 1];
     let placed_links = placed.links.into_iter().zip(links).map(|(placed, link)| {
-        let row = &rows[in_row[link.from]];
-        if in_row[link.from] == in_row[link.to] {
-            PlacedLink {
-                points: placed.points.iter().map(|at| row.moved(*at)).collect(),
-                label: placed.label.map(|at| row.moved(at)),
-            }
-        } else {
-            between_rows(link, &boxes, sizes, &in_row, &rows, &mut lanes)
+        let (from, to) = (in_row[link.from], in_row[link.to]);
+        match gaps_of(from, to) {
+            None => PlacedLink {
+                points: placed
+                    .points
+                    .iter()
+                    .map(|at| rows[from].moved(*at))
+                    .collect(),
+                label: placed.label.map(|at| rows[from].moved(at)),
+            },
+            Some(gaps) => between_rows((link, gaps), &boxes, sizes, &in_row, &rows, &mut lanes),
         }
     });
     let placement = Placement {
@@ -146,13 +150,15 @@ fn rows(
     in_row: &[usize],
     cuts: &[f64],
 ) -> Vec<Row> {
-    let is_between = |link: &&Link| in_row[link.from] != in_row[link.to];
-    let gap = ROW_GAP
-        + links
-            .iter()
-            .filter(is_between)
-            .map(lane_height)
-            .sum::<f64>();
+    let mut gaps = vec![ROW_GAP; cuts.len() + 1];
+    for link in links {
+        if let Some((first, second)) = gaps_of(in_row[link.from], in_row[link.to]) {
+            gaps[first] += lane_height(link);
+            if second != first {
+                gaps[second] += LANE;
+            }
+        }
+    }
     let mut cursor = 0.0;
     (0..=cuts.len())
         .map(|row| {
@@ -183,16 +189,26 @@ fn rows(
                 shift,
                 bottom: bottom + shift,
             };
-            cursor = of.bottom + gap;
+            cursor = of.bottom + gaps[row];
             of
         })
         .collect()
 }
 
-/// Where a link from row to row is. `lanes` has the width that is used up already: in each gap
-/// below a row, and last on the left.
+/// The gaps through which a link from row to row passes, by the rows above them: the one next to
+/// its own row and the one next to the other row, which can be the same. `None` within a row.
+fn gaps_of(from: usize, to: usize) -> Option<(usize, usize)> {
+    match from.cmp(&to) {
+        Ordering::Less => Some((from, to - 1)),
+        Ordering::Equal => None,
+        Ordering::Greater => Some((from - 1, to)),
+    }
+}
+
+/// Where a link from row to row is, which passes through these gaps. `lanes` has the width that is
+/// used up already: in each gap below a row, and last on the left.
 fn between_rows(
-    link: &Link,
+    (link, (first, second)): (&Link, (usize, usize)),
     boxes: &[Point],
     sizes: &[Size],
     in_row: &[usize],
@@ -200,9 +216,6 @@ fn between_rows(
     lanes: &mut [f64],
 ) -> PlacedLink {
     let (from, to) = (link.from, link.to);
-    let (a, b) = (in_row[from], in_row[to]);
-    // Downwards, it passes the gap below its row and the one above the other; upwards, vice versa.
-    let (first, second) = if a < b { (a, b - 1) } else { (a - 1, b) };
     let mut lane = |gap: usize, width: f64| {
         lanes[gap] += width;
         // Its middle: without a label, the end of the lane, so that the first one is off the row.

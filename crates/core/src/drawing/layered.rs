@@ -66,9 +66,12 @@ fn drawn(graph: &Graph, placement: &Placement, arrow: fn(Vec<Point>) -> Shape) -
             canvas.label(at, &edge.label);
         }
     }
-    for (frame, placed) in graph.frames.iter().zip(&placement.frames) {
+    // A graph in rows has no frames.
+    let frames = graph.frames.iter().zip(&placement.frames);
+    for (number, (frame, _)) in frames.enumerate() {
         let title = std::slice::from_ref(&frame.title);
-        canvas.lines(placed.title, title, STATE_FONT, true);
+        let at = title_at(number, text_size(&frame.title), graph, placement);
+        canvas.lines(at, title, STATE_FONT, true);
     }
     for (number, (state, at)) in graph.states.iter().zip(&placement.boxes).enumerate() {
         canvas.labeled_box(*at, state, graph.style(number));
@@ -76,6 +79,63 @@ fn drawn(graph: &Graph, placement: &Placement, arrow: fn(Vec<Point>) -> Shape) -
     let start = placement.boxes.get(graph.states.len());
     canvas.shapes.extend(start.map(|at| Shape::Dot(*at)));
     canvas
+}
+
+/// Distance between places for a title that are tried, and between points of a link that are
+/// looked at, in SVG units.
+const STEP: f64 = 5.0;
+
+/// The center of the title of a frame: at the top of it where nothing is in the way, as far to the
+/// left as possible; else the place that is reserved for it.
+fn title_at(number: usize, size: Size, graph: &Graph, placement: &Placement) -> Point {
+    let frame = &placement.frames[number];
+    let mut taken: Vec<(Point, Size)> = Vec::new();
+    let boxes = placement.boxes.iter().enumerate();
+    taken.extend(boxes.map(|(state, at)| match graph.states.get(state) {
+        Some(label) => (*at, box_size(label, graph.style(state))),
+        None => (*at, START),
+    }));
+    for (edge, link) in graph.edges.iter().zip(&placement.links) {
+        taken.extend(link.label.map(|at| (at, label_size(&edge.label))));
+        for piece in link.points.windows(2) {
+            let (from, to) = (piece[0], piece[1]);
+            let count = ((to.x - from.x).hypot(to.y - from.y) / STEP).ceil();
+            for step in 0..=count as usize {
+                let part = step as f64 / count.max(1.0);
+                let x = from.x + (to.x - from.x) * part;
+                let y = from.y + (to.y - from.y) * part;
+                taken.push((Point { x, y }, Size::default()));
+            }
+        }
+    }
+    for (other, placed) in placement.frames.iter().enumerate() {
+        let is_inside =
+            placed.size.width * placed.size.height < frame.size.width * frame.size.height;
+        if other != number {
+            taken.push((placed.title, text_size(&graph.frames[other].title)));
+            taken.extend(is_inside.then_some((placed.center, placed.size)));
+        }
+    }
+    let is_free = |at: &Point| {
+        taken.iter().all(|(other, other_size)| {
+            (at.x - other.x).abs() >= f64::midpoint(size.width, other_size.width)
+                || (at.y - other.y).abs() >= f64::midpoint(size.height, other_size.height)
+        })
+    };
+    let (left, top) = (
+        frame.center.x - (frame.size.width - size.width) / 2.0,
+        frame.center.y - (frame.size.height - size.height) / 2.0,
+    );
+    let count = ((frame.size.width - size.width) / STEP).max(0.0) as usize;
+    let mut places = (0..=count).map(|step| Point {
+        x: left + step as f64 * STEP,
+        y: top,
+    });
+    places.find(is_free).unwrap_or(frame.title)
+}
+
+fn text_size(title: &str) -> Size {
+    text::size(&[title.to_owned()], STATE_FONT, true)
 }
 
 /// Places a graph in layers.
@@ -88,7 +148,7 @@ fn placed(graph: &Graph, direction: Direction) -> Placement {
         }
     }
     let frames = graph.frames.iter().map(|frame| Frame {
-        title: text::size(std::slice::from_ref(&frame.title), STATE_FONT, true),
+        title: text_size(&frame.title),
         parent: frame.parent,
     });
     let frames: Vec<Frame> = frames.collect();

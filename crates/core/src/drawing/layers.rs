@@ -7,6 +7,7 @@
 
 use dagre::graph::{Graph, GraphOptions};
 use dagre::{EdgeLabel, LayoutOptions, NodeLabel, RankDir};
+use std::collections::BTreeMap;
 
 /// Width and height in SVG units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -189,29 +190,37 @@ pub fn place_in_frames(
         }
     });
     let placed_frames: Vec<PlacedFrame> = placed_frames.collect();
-    let placed_links = links.iter().enumerate().map(|(index, link)| {
-        let found = graph.edge(&name(link.from), &name(link.to), Some(&name(index)));
-        let has_label = link.label.width > 0.0;
-        let label = found.and_then(|edge| {
-            Some(Point {
-                x: edge.x?,
-                y: edge.y?,
-            })
-        });
-        let label = label.filter(|_| has_label);
-        let points = found.map_or(&[][..], |edge| &edge.points);
-        let points: Vec<Point> = points.iter().map(|p| Point { x: p.x, y: p.y }).collect();
-        PlacedLink {
-            points: if points.len() < 2 {
-                vec![centers[link.from], centers[link.to]]
-            } else {
-                let ends = [link.from, link.to].map(|end| (centers[end], boxes[end]));
-                let points = between_sides(points, ends, direction);
-                through_label(points, label, link.label, direction)
-            },
-            label,
+    let edge = |index: usize| {
+        let link = &links[index];
+        graph.edge(&name(link.from), &name(link.to), Some(&name(index)))
+    };
+    let ways = links.iter().enumerate().map(|(index, link)| {
+        let points = edge(index).map_or(&[][..], |edge| &edge.points);
+        if points.len() < 2 {
+            return vec![centers[link.from], centers[link.to]];
         }
+        points.iter().map(|p| Point { x: p.x, y: p.y }).collect()
     });
+    let mut ways: Vec<Vec<Point>> = ways.collect();
+    spread_ends(&mut ways, links, (&centers, boxes), direction);
+    let placed_links = links
+        .iter()
+        .zip(ways)
+        .enumerate()
+        .map(|(index, (link, points))| {
+            let has_label = link.label.width > 0.0;
+            let label = edge(index).and_then(|edge| {
+                Some(Point {
+                    x: edge.x?,
+                    y: edge.y?,
+                })
+            });
+            let label = label.filter(|_| has_label);
+            PlacedLink {
+                points: through_label(points, label, link.label, direction),
+                label,
+            }
+        });
     let mut placed_links: Vec<PlacedLink> = placed_links.collect();
     place_loops(
         boxes,
@@ -230,53 +239,87 @@ pub fn place_in_frames(
     moved_to_origin(boxes, links, placement)
 }
 
-/// How far from the middle of a side a link ends that would end at a corner or beyond it, in
-/// proportion to half the side.
-const CORNER: f64 = 0.6;
+/// The part of a side on which links end, in proportion to it: not at the corners.
+const SIDE: f64 = 0.7;
 
-/// Moves the ends of a link to the sides of its boxes that face the neighboring layers. From the
-/// other sides, a steep link would cross the next boxes of the same layer.
-fn between_sides(
-    mut points: Vec<Point>,
-    [start, end]: [(Point, Size); 2],
-    direction: Direction,
-) -> Vec<Point> {
-    let last = points.len() - 1;
-    points[0] = facing(points[0], points[1], start, direction);
-    points[last] = facing(points[last], points[last - 1], end, direction);
-    points
+/// One of the two ends of a link.
+struct LinkEnd {
+    /// Where the link goes on, along the layer.
+    next: f64,
+    /// Index of the link.
+    number: usize,
+    /// Whether the link ends here, and does not begin.
+    is_end: bool,
 }
 
-/// The point at which a link leaves a box for the point `next`, instead of `at`.
-fn facing(at: Point, next: Point, (center, size): (Point, Size), direction: Direction) -> Point {
-    // `along` runs from layer to layer.
-    let along = |at: Point| match direction {
-        Direction::Down => at.y - center.y,
-        Direction::Right => at.x - center.x,
+/// Spreads the ends of links over the sides of their boxes that face the neighboring layers, in the
+/// order in which the links go on. From the other sides, a steep link would cross the next boxes of
+/// the same layer. `ways` has the points of each link; loops stay as they are.
+fn spread_ends(
+    ways: &mut [Vec<Point>],
+    links: &[Link],
+    (centers, sizes): (&[Point], &[Size]),
+    direction: Direction,
+) {
+    // `along` runs from layer to layer, `across` along a layer.
+    let split = |at: Point| match direction {
+        Direction::Down => (at.y, at.x),
+        Direction::Right => (at.x, at.y),
     };
-    let across = |at: Point| match direction {
-        Direction::Down => at.x - center.x,
-        Direction::Right => at.y - center.y,
-    };
-    let (half, half_side) = match direction {
-        Direction::Down => (size.height / 2.0, size.width / 2.0),
-        Direction::Right => (size.width / 2.0, size.height / 2.0),
-    };
-    let is_beyond = along(next).abs() > half;
-    if !is_beyond || along(at).abs() >= half - 0.1 && across(at).abs() <= CORNER * half_side {
-        return at;
+    // By box and side: the links that end there.
+    let mut sides: BTreeMap<(usize, bool), Vec<LinkEnd>> = BTreeMap::new();
+    for (number, (way, link)) in ways.iter().zip(links).enumerate() {
+        let &[_, second, ..] = way.as_slice() else {
+            continue;
+        };
+        let before_last = way[way.len() - 2];
+        for (of, next, is_end) in [(link.from, second, false), (link.to, before_last, true)] {
+            let ((along, across), (center, _)) = (split(next), split(centers[of]));
+            let half = match direction {
+                Direction::Down => sizes[of].height / 2.0,
+                Direction::Right => sizes[of].width / 2.0,
+            };
+            if link.from != link.to && (along - center).abs() > half {
+                let side = sides.entry((of, along > center)).or_default();
+                side.push(LinkEnd {
+                    next: across,
+                    number,
+                    is_end,
+                });
+            }
+        }
     }
-    let (side, corner) = (half.copysign(along(next)), CORNER * half_side);
-    let corner = across(at).clamp(-corner, corner);
-    match direction {
-        Direction::Down => Point {
-            x: center.x + corner,
-            y: center.y + side,
-        },
-        Direction::Right => Point {
-            x: center.x + side,
-            y: center.y + corner,
-        },
+    for ((of, is_far), mut ends) in sides {
+        ends.sort_by(|a, b| a.next.total_cmp(&b.next).then(a.number.cmp(&b.number)));
+        let count = ends.len() as f64;
+        let Size { width, height } = sizes[of];
+        let sign = if is_far { 0.5 } else { -0.5 };
+        for (index, link_end) in ends.into_iter().enumerate() {
+            let LinkEnd {
+                next,
+                number,
+                is_end,
+            } = link_end;
+            let share = ((index as f64 + 0.5) / count - 0.5) * SIDE;
+            let way = &mut ways[number];
+            let place = if is_end { way.len() - 1 } else { 0 };
+            let (_, center) = split(centers[of]);
+            // The only link of a side leads straight on, as far as the side allows it.
+            let offset = |side: f64| match count {
+                1.0 => (next - center).clamp(-SIDE * side / 2.0, SIDE * side / 2.0),
+                _ => share * side,
+            };
+            way[place] = match direction {
+                Direction::Down => Point {
+                    x: center + offset(width),
+                    y: centers[of].y + sign * height,
+                },
+                Direction::Right => Point {
+                    x: centers[of].x + sign * width,
+                    y: center + offset(height),
+                },
+            };
+        }
     }
 }
 

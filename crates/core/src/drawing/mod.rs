@@ -27,8 +27,8 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Returns the part of the graph with the states that at most so many edges separate from a
-    /// state, in either direction, and the edges between them. Frames are left out.
+    /// Returns the part of the graph around a state: the states that at most `steps` edges, in
+    /// either direction, separate from it, and the edges between them. Frames are left out.
     #[must_use]
     pub fn around(&self, state: usize, steps: usize) -> Self {
         let mut is_near = vec![false; self.states.len()];
@@ -88,7 +88,7 @@ pub enum BoxStyle {
     Observer,
     /// Beginning or end of what the graph shows: with round ends.
     Terminal,
-    /// Conveyor, with marks between so many places.
+    /// Conveyor with this number of places, with marks between them.
     Conveyor(u32),
 }
 

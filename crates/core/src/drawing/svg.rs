@@ -22,6 +22,18 @@ const MAX_STATES: usize = 60;
 /// square of their number.
 const MAX_EDGES: usize = 120;
 
+/// How large a drawing with frames may be in proportion to the one without them. Frames that
+/// scatter the states hide more than they show.
+const FRAMES: f64 = 1.2;
+
+/// Maximum number of edges of a graph that is drawn with frames of goals. The placement of larger
+/// ones takes longer, and their frames hardly ever fit.
+const MAX_FRAMED_EDGES: usize = 60;
+
+/// Maximum numbers of boxes and edges of a drawing in rows, which is read along its ways, and whose
+/// placement is simpler.
+const MAX_IN_ROWS: (usize, usize) = (200, 300);
+
 /// Maximum number of characters in a line of a narrow label.
 const NARROW: usize = 24;
 
@@ -91,17 +103,25 @@ fn framed(region: &Region, limit: f64) -> Canvas {
     canvas
 }
 
-/// Draws a graph within a width in SVG units. If its frames do not fit, their titles stand in the
-/// states.
+/// Draws a graph within a width in SVG units. If its frames take too much room, their titles stand
+/// in the states.
 fn picture(graph: &Graph, limit: f64) -> Canvas {
-    let reason = match in_layers(graph, Form::Layers, limit) {
-        Ok(canvas) => return canvas,
-        Err(reason) => reason,
-    };
-    let graph = &without_frames(graph);
-    if let Ok(canvas) = in_layers(graph, Form::Layers, limit) {
-        return canvas;
+    let plain = &without_frames(graph);
+    let drawn = in_layers(plain, Form::Layers, limit);
+    let area = |canvas: &Canvas| canvas.size.width * canvas.size.height;
+    if !graph.frames.is_empty()
+        && graph.edges.len() <= MAX_FRAMED_EDGES
+        && let Ok(framed) = in_layers(graph, Form::Layers, limit)
+        && drawn
+            .as_ref()
+            .is_ok_and(|drawn| area(&framed) <= FRAMES * area(drawn))
+    {
+        return framed;
     }
+    let (graph, reason) = match drawn {
+        Ok(canvas) => return canvas,
+        Err(reason) => (plain, reason),
+    };
     let outline = Outline::new(graph);
     if outline.is_useful(graph)
         && let Ok(drawn) = in_layers(&outline.graph, Form::Layers, limit)
@@ -133,15 +153,19 @@ fn without_frames(graph: &Graph) -> Graph {
 /// # Errors
 /// Why it is not drawn.
 pub(super) fn in_layers(graph: &Graph, form: Form, limit: f64) -> Result<Canvas, String> {
-    if graph.states.len() > MAX_STATES {
+    let (max_states, max_edges) = match form {
+        Form::Layers => (MAX_STATES, MAX_EDGES),
+        Form::Rows => MAX_IN_ROWS,
+    };
+    if graph.states.len() > max_states {
         let kind = match graph.styles.as_slice() {
             [] => "states",
             _ => "boxes",
         };
-        return Err(format!("more than {MAX_STATES} {kind} are not drawn"));
+        return Err(format!("more than {max_states} {kind} are not drawn"));
     }
-    if graph.edges.len() > MAX_EDGES {
-        return Err(format!("more than {MAX_EDGES} edges are not drawn"));
+    if graph.edges.len() > max_edges {
+        return Err(format!("more than {max_edges} edges are not drawn"));
     }
     let fits = |canvas: &Canvas| canvas.size.width <= limit;
     let whole = layered::draw(graph, form, limit);
@@ -449,8 +473,8 @@ pub(super) mod tests {
                 let frames = frames.collect();
                 let styles = styles.collect();
                 Graph {
-                    frames,
                     styles,
+                    frames,
                     ..graph
                 }
             })
