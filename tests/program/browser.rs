@@ -1,5 +1,5 @@
-//! Pages in a headless Chromium: no request, no error, nothing that axe-core finds, and all controls
-//! work. A walk through a controller gives the values that `step` gives.
+//! Pages in a headless Chromium: no request, no error, nothing that axe-core finds, and all
+//! controls work. A walk through a controller gives the values that `step` gives.
 
 use crate::support::{PROGRAM, programs, root, sandbox, skip};
 use std::fmt::Write as _;

@@ -102,11 +102,18 @@ impl Drawing {
                 let points = numbers.chunks(2).map(|p| [p[0], p[1], p[0], p[1]]);
                 self.shapes.extend(points);
             }
+            "polyline" => {
+                let points = attribute(element, "points").replace(',', " ");
+                let numbers = points.split_whitespace().map(str::parse::<f64>);
+                let numbers: Vec<f64> = numbers.map(|n| n.expect("a number")).collect();
+                let points = numbers.chunks(2).map(|p| [p[0], p[1], p[0], p[1]]);
+                self.shapes.extend(points);
+            }
             "text" => {
                 let (x, y) = (number(element, "x"), number(element, "y"));
                 let font = number(element, "font-size");
                 let width = attribute(element, "textLength").parse().unwrap_or(0.0);
-                let is_start = attribute(element, "style").contains("start");
+                let is_start = attribute(element, "text-anchor") == "start";
                 let left = if is_start { x } else { x - width / 2.0 };
                 return Some([left, y - 0.75 * font, left + width, y + 0.25 * font]);
             }
@@ -306,6 +313,40 @@ fn faults_of_drawings_are_found() {
     assert_eq!(Drawing::read(&wide).faults(), ["it is 1601 wide"]);
 }
 
+/// Compares a picture of the guide with a drawing, or writes it.
+fn compare_picture(image: &str, drawing: &[u8]) {
+    let path = support::root().join("docs/images").join(image);
+    if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
+        std::fs::write(&path, drawing).expect("the picture can be written");
+    }
+    let shown = std::fs::read(&path).unwrap_or_default();
+    assert!(
+        shown == drawing,
+        "docs/images/{image} is not what is drawn: run INSTA_UPDATE=always cargo test --test program -- drawings"
+    );
+}
+
+/// The timing diagram in the page on `step` is that of the command beside it.
+#[test]
+fn the_timing_diagram_of_the_guide_is_up_to_date() {
+    let page = support::root().join("docs/guide/step.md");
+    let page = std::fs::read_to_string(page).expect("the page");
+    let commands = page.lines().find_map(|line| {
+        let commands = line.strip_prefix("$ printf '")?.split_once("save play.svg");
+        Some(commands?.0.replace("\\n", "\n"))
+    });
+    let sandbox = support::sandbox();
+    let script = commands.expect("the command") + "save play.svg\n";
+    std::fs::write(sandbox.path().join("play.txt"), script).expect("a script");
+    let arguments = ["step", "contracts/handling/turn.lw", "--script", "play.txt"];
+    let played = support::linewright(sandbox.path(), &arguments);
+    assert!(played.status.success());
+    let drawing = std::fs::read(sandbox.path().join("play.svg")).expect("the drawing");
+    let text = String::from_utf8(drawing.clone()).expect("text");
+    assert_eq!(Drawing::read(&text).faults(), [""; 0]);
+    compare_picture("turn-play.svg", &drawing);
+}
+
 /// The pictures of the guide are those of the commands beside them (`INSTA_UPDATE=always` writes
 /// them anew).
 #[test]
@@ -323,15 +364,7 @@ fn the_pictures_of_the_guide_are_up_to_date() {
         let arguments: Vec<&str> = ["draw"].into_iter().chain(arguments.split(' ')).collect();
         let output = support::linewright(support::root(), &arguments);
         assert!(output.status.success(), "{command}");
-        let path = support::root().join("docs/images").join(image);
-        if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
-            std::fs::write(&path, &output.stdout).expect("the picture can be written");
-        }
-        let shown = std::fs::read(&path).unwrap_or_default();
-        assert!(
-            shown == output.stdout,
-            "docs/images/{image} is not what is drawn: run INSTA_UPDATE=always cargo test --test program -- drawings"
-        );
+        compare_picture(image, &output.stdout);
         assert!(page.contains(&format!("](../images/{image})")), "{image}");
         count += 1;
     }

@@ -6,10 +6,10 @@
 //! with the same time and priority happen in the order in which they were scheduled, on every
 //! platform.
 //!
-//! The next few events lie in an array of fixed size, the later ones in a binary heap. The events of
-//! the array stay where they are; their order is kept beside it, in the digits of one number. A new
-//! event gets its place in this order by comparisons whose results no branch depends on: when an
-//! event happens cannot be predicted, so branches would often be mispredicted. In a small line,
+//! The next few events lie in an array of fixed size, the later ones in a binary heap. The events
+//! of the array stay where they are; their order is kept beside it, in the digits of one number. A
+//! new event gets its place in this order by comparisons whose results no branch depends on: when
+//! an event happens cannot be predicted, so branches would often be mispredicted. In a small line,
 //! there are no later events; in a large one, an event takes logarithmic time.
 
 /// Future events, sorted by time; see the module documentation.

@@ -97,8 +97,8 @@ one document on one line, with the changes since the last one (`changes`, `unix_
 SARIF is refused"
     )]
     pub watch: bool,
-    /// Write a report as one HTML file: verdicts, findings, plays as timing diagrams, interfaces, and
-    /// what each proof rests on
+    /// Write a report as one HTML file: verdicts, findings, plays as timing diagrams, interfaces,
+    /// drawings, and what each proof rests on
     #[arg(long, value_name = "FILE", conflicts_with = "watch")]
     pub report: Option<PathBuf>,
 }

@@ -71,8 +71,8 @@ fn variable(specification: &Specification, id: VarId, variable: &Variable) -> Va
     value
 }
 
-/// Each transition: cubes of `[input, low, high]`, the outputs, the next state, and the condition as
-/// text.
+/// Each transition: cubes of `[input, low, high]`, the outputs, the next state, and the condition
+/// as text.
 fn transitions(machine: &Machine, list: &[Transition]) -> Value {
     let transition = |t: &Transition| {
         let cubes = t.guard.0.iter().map(|cube| {
