@@ -4,7 +4,9 @@
 
 use super::imports::files_below;
 use super::support;
-use linewright::contract::load;
+use linewright::contract::{Library, load, picture as machine_picture};
+use linewright::gr1::{Time, VarId};
+use linewright::line::picture as line_picture;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use rayon::prelude::*;
@@ -154,8 +156,8 @@ impl Drawing {
     }
 }
 
-/// The names of what a file declares.
-fn declared(path: &Path) -> Vec<String> {
+/// What a file declares and imports, and the name of the file in it.
+fn loaded(path: &Path) -> (Library, String) {
     let text = std::fs::read_to_string(path).expect("a file");
     let files = [(path.display().to_string(), text)];
     let (library, _) = load(&files, &|wanted, from| {
@@ -168,7 +170,14 @@ fn declared(path: &Path) -> Vec<String> {
         let text = std::fs::read_to_string(&path).map_err(|e| e.to_string())?;
         Ok((path.display().to_string(), text))
     });
-    let is_own = |file| library.sources.file(file).name == files[0].0;
+    let [(name, _)] = files;
+    (library, name)
+}
+
+/// The names of what a file declares.
+fn declared(path: &Path) -> Vec<String> {
+    let (library, name) = loaded(path);
+    let is_own = |file| library.sources.file(file).name == name;
     let contracts = library.contracts.iter().map(|c| (&c.name, c.span));
     let machines = library.machines.iter().map(|m| (&m.name, m.span));
     let lines = library.lines.iter().map(|l| (&l.name, l.span));
@@ -176,6 +185,49 @@ fn declared(path: &Path) -> Vec<String> {
     let all = contracts.chain(machines).chain(lines).chain(skills);
     let own = all.filter(|(_, span)| is_own(span.file));
     own.map(|(name, _)| name.clone()).collect()
+}
+
+/// Each signal that a component reads is on an edge to it or in a box with an edge to it, and each
+/// route of a line has its edge.
+#[test]
+fn all_wires_and_routes_are_drawn() {
+    let mut counts = (0, 0);
+    for path in files_below(&support::root().join("examples"), &["lw"]) {
+        let (library, _) = loaded(&path);
+        for machine in &library.machines {
+            let graph = machine_picture::to_graph(machine);
+            for (reader, component) in machine.components.iter().enumerate() {
+                let edges = graph.edges.iter().filter(|edge| edge.to == reader);
+                let shown: Vec<&String> = edges
+                    .flat_map(|edge| {
+                        let from = &graph.states[edge.from.expect("a box")];
+                        edge.label.iter().chain(from)
+                    })
+                    .collect();
+                let mut read = |wire: VarId, _: Time| {
+                    let name = machine.wire_name(wire.index());
+                    let last = name.rsplit('.').next().unwrap_or(&name);
+                    let is_shown = shown
+                        .iter()
+                        .any(|text| text.split(' ').next() == Some(last));
+                    assert!(is_shown, "{}: {name} to {}", machine.name, component.name);
+                    counts.0 += 1;
+                };
+                let bindings = component.bindings.iter();
+                bindings.for_each(|binding| binding.for_each_var(&mut read));
+            }
+        }
+        for line in &library.lines {
+            let graph = line_picture::to_graph(line, &library.sources);
+            for route in &line.routes {
+                let ends = (Some(route.from), route.to);
+                let mut edges = graph.edges.iter();
+                assert!(edges.any(|edge| (edge.from, edge.to) == ends));
+                counts.1 += 1;
+            }
+        }
+    }
+    assert!(counts.0 > 100 && counts.1 > 50, "{counts:?}");
 }
 
 /// Draws all of a file; returns what is wrong.

@@ -4,7 +4,7 @@
 
 use super::canvas::{Canvas, MARGIN, REGION, STATE_FONT, Shape};
 use super::layered::{self, Form};
-use super::layers::Point;
+use super::layers::{Point, Size};
 use super::legend::{columns, with_keys};
 use super::outline::Outline;
 use super::{Graph, Region, blocks, table, text};
@@ -22,9 +22,10 @@ const MAX_STATES: usize = 60;
 /// square of their number.
 const MAX_EDGES: usize = 120;
 
-/// How large a drawing with frames may be in proportion to the one without them. Frames that
-/// scatter the states hide more than they show.
-const FRAMES: f64 = 1.2;
+/// How large a drawing with frames may be in proportion to the one without them, with room for each
+/// frame in SVG units. Frames that scatter the states hide more than they show.
+const FRAMES: f64 = 1.1;
+const FRAME_ROOM: f64 = 40.0;
 
 /// Maximum number of edges of a graph that is drawn with frames of goals. The placement of larger
 /// ones takes longer, and their frames hardly ever fit.
@@ -108,13 +109,14 @@ fn framed(region: &Region, limit: f64) -> Canvas {
 fn picture(graph: &Graph, limit: f64) -> Canvas {
     let plain = &without_frames(graph);
     let drawn = in_layers(plain, Form::Layers, limit);
-    let area = |canvas: &Canvas| canvas.size.width * canvas.size.height;
+    let area = |Size { width, height }: Size, room: f64| (width + room) * (height + room);
+    let room = FRAME_ROOM * graph.frames.len() as f64;
     if !graph.frames.is_empty()
         && graph.edges.len() <= MAX_FRAMED_EDGES
         && let Ok(framed) = in_layers(graph, Form::Layers, limit)
         && drawn
             .as_ref()
-            .is_ok_and(|drawn| area(&framed) <= FRAMES * area(drawn))
+            .is_ok_and(|drawn| area(framed.size, 0.0) <= FRAMES * area(drawn.size, room))
     {
         return framed;
     }
@@ -205,7 +207,6 @@ fn narrow(graph: &Graph) -> Graph {
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::canvas::{Anchor, Text};
-    use super::super::layers::Size;
     use super::super::{BoxStyle, Edge, Frame};
     use super::*;
     use proptest::prelude::*;
@@ -494,6 +495,59 @@ pub(super) mod tests {
             prop_assert!(canvas.size.width <= LIMIT);
             prop_assert_eq!(faults(&canvas), [""; 0]);
         }
+    }
+
+    /// A chain of boxes, every ten of them in a frame.
+    fn framed_chain(count: usize) -> Graph {
+        let frames = (0..count / 10).map(|number| Frame {
+            title: format!("unit {number}"),
+            parent: None,
+            states: (10 * number..10 * number + 10).collect(),
+        });
+        let edges = (1..count).map(|to| Edge {
+            from: Some(to - 1),
+            to,
+            label: vec![format!("signal {to}")],
+        });
+        Graph {
+            states: (0..count).map(|n| vec![format!("part {n}")]).collect(),
+            styles: vec![BoxStyle::Block; count],
+            frames: frames.collect(),
+            edges: edges.collect(),
+        }
+    }
+
+    #[test]
+    fn many_blocks_are_collapsed_and_more_are_listed() {
+        let canvas = blocks::picture(&framed_chain(80), Form::Layers, LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let shown = texts(&canvas);
+        let caption = "The blocks of each frame are shown as one: more than 60 boxes are not drawn";
+        assert_eq!(shown[0], caption);
+        assert!(shown.contains(&"unit 7") && shown.contains(&"signal 70"));
+        assert!(!shown.contains(&"part 0") && !shown.contains(&"signal 71"));
+        let canvas = blocks::picture(&framed_chain(700), Form::Layers, LIMIT);
+        assert!(canvas.size.width <= LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        let caption = "A list in place of a drawing: more than 60 boxes are not drawn";
+        assert_eq!(texts(&canvas)[0], caption);
+        assert!(texts(&canvas).contains(&"to part 699: signal 699"));
+    }
+
+    #[test]
+    fn frames_of_states_are_drawn_if_they_fit() {
+        let mut graph = framed_chain(20);
+        graph.styles.clear();
+        let canvas = picture(&graph, LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        assert!(texts(&canvas).contains(&"unit 1"));
+        // States of two frames in turn would be far apart.
+        for (number, frame) in graph.frames.iter_mut().enumerate() {
+            frame.states = (0..10).map(|n| 2 * n + number).collect();
+        }
+        let canvas = picture(&graph, LIMIT);
+        assert_eq!(faults(&canvas), [""; 0]);
+        assert!(texts(&canvas).contains(&"part 3 unit 1"));
     }
 
     #[test]
