@@ -72,15 +72,15 @@ fn conclusion(page: &Page<'_>) -> String {
     }
     let throughput =
         estimate(page, Measure::Throughput).map_or(trace.throughput_per_hour, |of| of.mean);
-    let mut text = format!(
+    let mut sentences = vec![format!(
         "The line makes {} products an hour; half of them are in it for less than {}.",
         figure(throughput),
         duration(trace.lead_time.p50)
-    );
+    )];
     match &trace.bottleneck {
-        Bottleneck::Station(candidate) => text += &format!(" {} limits it.", candidate.name),
+        Bottleneck::Station(candidate) => sentences.push(format!("{} limits it.", candidate.name)),
         Bottleneck::Source { .. } => {
-            text += " The sources limit it: no part had to wait for a station."
+            sentences.push("The sources limit it: no part had to wait for a station.".to_owned());
         }
         _ => {}
     }
@@ -91,18 +91,18 @@ fn conclusion(page: &Page<'_>) -> String {
         .map(|(requirement, _)| requirement.name.as_str())
         .collect();
     if !failed.is_empty() {
-        text += &format!(" It does not meet: {}.", failed.join(", "));
+        sentences.push(format!("It does not meet: {}.", failed.join(", ")));
     } else if judged.iter().any(|(verdict, _)| *verdict != Verdict::Holds) {
-        text += " No requirement fails, but not all are decided.";
+        sentences.push("No requirement fails, but not all are decided.".to_owned());
     } else if !judged.is_empty() {
-        text += " All requirements hold.";
+        sentences.push("All requirements hold.".to_owned());
     }
-    text += &match trace.violation_count {
-        0 => " No contract was violated.".to_owned(),
-        1 => " A contract was violated once.".to_owned(),
-        number => format!(" Contracts were violated {} times.", count(number)),
-    };
-    text
+    sentences.push(match trace.violation_count {
+        0 => "No contract was violated.".to_owned(),
+        1 => "A contract was violated once.".to_owned(),
+        number => format!("Contracts were violated {} times.", count(number)),
+    });
+    sentences.join(" ")
 }
 
 fn ending(end: End) -> &'static str {
