@@ -102,13 +102,9 @@ pub fn page(page: &Page<'_>) -> String {
 }
 
 fn tiles(opponent: Opponent<'_>) -> Markup {
-    let kind = match (opponent.timing(), opponent.reader()) {
-        (Timing::Mealy, _) => "Mealy",
-        (Timing::Moore, _) => "Moore",
-    };
-    let order = match opponent.timing() {
-        Timing::Mealy => "it answers the inputs of the step",
-        Timing::Moore => "it moves first in each step",
+    let (kind, order) = match opponent.timing() {
+        Timing::Mealy => ("Mealy", "it answers the move of the step"),
+        Timing::Moore => ("Moore", "it moves first in each step"),
     };
     html! {
         dl.tiles {

@@ -135,6 +135,19 @@ fn the_figures_are_those_of_the_run() {
         }
         if trace.warm_up <= 0.0 {
             assert_near(mean(&recorder.units(), 0.0), trace.wip.mean, "WIP");
+            let types = 0..run.line.parts.len();
+            let by_type = types.map(|kind| mean(&recorder.units_of(kind), 0.0));
+            assert_near(by_type.sum(), trace.wip.mean, "WIP by part type");
+            let (rates, width) = recorder.throughput();
+            let products = rates
+                .iter()
+                .enumerate()
+                .map(|(bin, rate)| rate * (recorder.end - bin as f64 * width).min(width) / 3600.0);
+            assert_near(
+                products.sum(),
+                trace.products as f64,
+                "throughput over time",
+            );
             for buffer in &trace.buffers {
                 let curve = recorder.buffer(buffer.node).unwrap();
                 assert_near(mean(&curve, 0.0), buffer.length, &buffer.name);
@@ -148,6 +161,24 @@ fn the_figures_are_those_of_the_run() {
                 .sum();
             assert_near(all, trace.joules, "power over time");
         }
+    }
+}
+
+#[test]
+fn the_conclusion_is_in_words() {
+    let bottling = recorded(
+        BOTTLING,
+        Options {
+            until: Some(86_400.0),
+            ..Options::default()
+        },
+    );
+    let text = bottling.written();
+    for sentence in [
+        "The line makes 12.2 products an hour; half of them are in it for less than",
+        "filler limits it. All requirements hold. No contract was violated.",
+    ] {
+        assert!(text.contains(sentence), "{sentence}");
     }
 }
 

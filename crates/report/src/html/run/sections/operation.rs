@@ -202,7 +202,7 @@ fn losses(page: &Page<'_>) -> Markup {
     let rows = rows
         .map(|(share, (_, name))| vec![name.to_owned(), percent(share), duration(share * counted)]);
     html! {
-        p { "The time of " (station.name) ", of which all but the busy time is lost to the line:" }
+        p { "The time of " (station.name) " by state:" }
         (table(&["State", "Share", "Time"], &rows.collect::<Vec<_>>()))
         p.hint { "OEE is the product of availability, effectiveness and quality. Availability is the busy share of the time on shift, so waiting and failures lower it." }
     }

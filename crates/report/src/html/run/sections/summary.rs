@@ -67,17 +67,20 @@ const WEEKDAYS: [&str; 7] = [
 /// What came out, in words: products, the bottleneck, requirements, violations.
 fn conclusion(page: &Page<'_>) -> String {
     let trace = first(page);
-    if trace.products == 0 {
-        return "The line made no product.".to_owned();
-    }
     let throughput =
         estimate(page, Measure::Throughput).map_or(trace.throughput_per_hour, |of| of.mean);
-    let mut sentences = vec![format!(
-        "The line makes {} products an hour; half of them are in it for less than {}.",
-        figure(throughput),
-        duration(trace.lead_time.p50)
-    )];
+    let has_products = trace.products > 0;
+    let mut sentences = vec![if has_products {
+        format!(
+            "The line makes {} products an hour; half of them are in it for less than {}.",
+            figure(throughput),
+            duration(trace.lead_time.p50)
+        )
+    } else {
+        "The line made no product.".to_owned()
+    }];
     match &trace.bottleneck {
+        _ if !has_products => {}
         Bottleneck::Station(candidate) => sentences.push(format!("{} limits it.", candidate.name)),
         Bottleneck::Source { .. } => {
             sentences.push("The sources limit it: no part had to wait for a station.".to_owned());
