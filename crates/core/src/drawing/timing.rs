@@ -20,6 +20,9 @@ const GAP: f64 = 18.0;
 /// Least and greatest width of a step, in SVG units.
 const STEP: [f64; 2] = [26.0, 150.0];
 
+/// Room for the last line between steps, in SVG units.
+const BORDER: f64 = 1.0;
+
 /// Width of the edges at which a word begins and ends, in SVG units.
 const SLOPE: f64 = 4.0;
 
@@ -82,7 +85,7 @@ fn picture(diagram: &TimingDiagram, limit: f64) -> Canvas {
             (text::width(word, LABEL_FONT, false) + 2.0 * SLOPE + 6.0) / (to - from) as f64
         });
     let step = room.fold(STEP[0], f64::max).min(STEP[1]);
-    let in_row = (((limit - left) / step).floor() as usize).max(1);
+    let in_row = (((limit - left - BORDER) / step).floor() as usize).max(1);
     let mut canvas = Canvas::default();
     let mut from = 0;
     while from < diagram.steps {
@@ -143,7 +146,7 @@ impl Part<'_> {
         let rows = titles.count() + signals.sum::<usize>();
         let mut canvas = Canvas {
             size: Size {
-                width: self.x(self.to) + 1.0,
+                width: self.x(self.to) + BORDER,
                 height: HEADING + rows as f64 * ROW,
             },
             shapes: Vec::new(),
