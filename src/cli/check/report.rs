@@ -39,7 +39,8 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
     let body = html! {
         header {
             h1 { (title) }
-            p { "What follows from the contracts, for every controller that keeps them. Semantics: strict, step by step (Bloem et al., 2012)." }
+            p { "A contract says what a controller may expect of its plant (assumptions) and what it has to do (guarantees). It is realizable if some controller keeps all guarantees as long as the assumptions hold; otherwise the report shows how the plant wins. All proofs hold for every controller that keeps the contracts." }
+            p.hint { "Strict semantics, step by step (Bloem et al., 2012)." }
             (links(shown.map(|(id, name, _)| (*id, *name))))
         }
         main {

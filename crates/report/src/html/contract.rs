@@ -124,6 +124,7 @@ pub fn play(
     let rows: Vec<Vec<String>> = rows.collect();
     html! {
         (drawing(&timing::render(title, &diagram), &format!("Timing diagram: {title}. Its values are in the table below.")))
+        p.hint { "A line at the top is true, one at the bottom false; other values are in boxes, and a dashed box has no value." }
         @if shown < steps.len() { p.hint { "The first " (shown) " of " (steps.len()) " steps." } }
         (behind(&headings, &rows))
     }

@@ -58,6 +58,7 @@ pub fn page(page: &Page<'_>) -> String {
             (section("commands", "Commands", &html! {
                 @for (command, answer) in page.commands {
                     p { code { "> " (command) } }
+                    @if answer.is_empty() && command.starts_with("expect") { p { "as expected" } }
                     @if !answer.is_empty() { pre tabindex="0" { (answer.trim_end()) } }
                 }
             }))

@@ -296,15 +296,21 @@
       const name = make("th");
       name.scope = "row";
       name.append(make("code", condition));
-      const button = make("button", "Take");
-      button.type = "button";
-      button.setAttribute("aria-label", `Take move ${number + 1}`);
-      button.addEventListener("click", () => {
-        choose(within(cubes));
-        go();
-      });
       const cell = make("td");
-      cell.append(button);
+      const moved = within(cubes);
+      const { answer, found } = consider(moved);
+      if (answer) {
+        const button = make("button", "Take");
+        button.type = "button";
+        button.setAttribute("aria-label", `Take move ${number + 1}`);
+        button.addEventListener("click", () => {
+          choose(moved);
+          go();
+        });
+        cell.append(button);
+      } else {
+        cell.textContent = found ? `not now: ${found.map((rule) => rule.name).join(", ")}` : "not now";
+      }
       row.append(name, make("td", list(others, whole(own.map(() => 0), values))), make("td", opponent.name(to)), cell);
       rows.append(row);
     });

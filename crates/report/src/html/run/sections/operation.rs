@@ -178,7 +178,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         @if !waits.is_empty() {
             h3 { "What the stations waited for" }
             p { "Causes of at least 0.5 % of a station's time." }
-            (table(&["Station", "It was", "Share of the time", "of it, with that station failed", "off shift"], &waits))
+            (table(&["Station", "It was", "Share of all time", "while that one was failed", "while that one was off shift"], &waits))
         }
         h3 { "Bottleneck" }
         p { (bottleneck(&first(page).bottleneck)) "." }
