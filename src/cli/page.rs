@@ -2,7 +2,9 @@
 
 use super::console::Console;
 use super::exit::ExitCode;
+use super::options::GlobalOptions;
 use crate::diagnostics::Diagnostic;
+use crate::engine::files::LoadedFiles;
 use crate::engine::output::PendingFile;
 use crate::report::html::parts::Origin;
 use crate::source::SourceMap;
@@ -18,6 +20,25 @@ pub struct PageFile {
 }
 
 impl PageFile {
+    /// Begins the file, if one is wanted. If it cannot be written, prints the finding and returns
+    /// the command's exit code.
+    pub fn begin(
+        path: Option<&Path>,
+        loaded: &LoadedFiles,
+        command: &str,
+        options: &GlobalOptions,
+    ) -> anyhow::Result<Result<Option<Self>, ExitCode>> {
+        match Self::new(path, &loaded.places) {
+            Ok(file) => Ok(Ok(file)),
+            Err(finding) => {
+                let found = [*finding];
+                let sources = &loaded.library.sources;
+                options.console().failed(command, sources, &found)?;
+                Ok(Err(options.exit_code(&found)))
+            }
+        }
+    }
+
     /// Begins the file, if one is wanted, so that a file that cannot be written ends the command
     /// before the work.
     ///

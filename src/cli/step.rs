@@ -70,13 +70,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         })?;
     let selection = &arguments.selection;
     let contract = selection.only(&picked, "only one contract can be played at a time")?;
-    let page_file = match PageFile::new(arguments.html.as_deref(), &loaded.places) {
+    let page_file = match PageFile::begin(arguments.html.as_deref(), &loaded, "step", options)? {
         Ok(file) => file,
-        Err(finding) => {
-            let found = [*finding];
-            console.failed("step", &library.sources, &found)?;
-            return Ok(options.exit_code(&found));
-        }
+        Err(code) => return Ok(code),
     };
     // An unreadable script ends the command before anything is solved.
     let script = match &arguments.script {

@@ -162,13 +162,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         selection.only(&contracts, "a report shows only one contract")?;
     }
     // A report that cannot be written ends the command before anything is solved.
-    let page_file = match PageFile::new(arguments.report.as_deref(), &loaded.places) {
+    let page_file = match PageFile::begin(arguments.report.as_deref(), &loaded, "synth", options)? {
         Ok(file) => file,
-        Err(finding) => {
-            let found = [*finding];
-            console.failed("synth", &library.sources, &found)?;
-            return Ok(options.exit_code(&found));
-        }
+        Err(code) => return Ok(code),
     };
     let is_default = arguments.emit.is_empty() && page_file.is_none();
     let mut forms: Vec<Emit> = Vec::new();

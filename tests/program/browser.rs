@@ -31,18 +31,9 @@ fn modules() -> Option<PathBuf> {
 
 /// Runs a line, and returns the path of its report.
 fn report(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
-    let path = folder.join(format!("{name}.html"));
-    let run = programs::run(
-        Command::new(PROGRAM)
-            .arg("run")
-            .args(arguments)
-            .arg("--report")
-            .arg(&path)
-            .current_dir(folder),
-        Duration::from_mins(3),
-    );
-    assert!(path.is_file(), "{}", run.all());
-    path
+    let run = ["run"].into_iter().chain(arguments.iter().copied());
+    let run: Vec<&str> = run.chain(["--report"]).collect();
+    page(folder, name, &run)
 }
 
 #[test]

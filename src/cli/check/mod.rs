@@ -122,13 +122,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let loaded = load(arguments, options);
     let console = options.console();
     // A report that cannot be written ends the command before anything is solved.
-    let file = match PageFile::new(arguments.report.as_deref(), &loaded.places) {
+    let file = match PageFile::begin(arguments.report.as_deref(), &loaded, "check", options)? {
         Ok(file) => file,
-        Err(finding) => {
-            let found = [*finding];
-            console.failed("check", &loaded.library.sources, &found)?;
-            return Ok(options.exit_code(&found));
-        }
+        Err(code) => return Ok(code),
     };
     let mut checked = check(loaded, arguments, options, &settings, None)?;
     write(console, &checked, options)?;

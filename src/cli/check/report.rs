@@ -1,12 +1,9 @@
 //! `--report`: the result of a check as a page.
 
 use super::assembly::Assembly;
-use super::document::{
-    ContractEntry, Document, LineEntry, MachineEntry, PlayEntry, SkillsEntry, SkillsVerdict,
-    Validity,
-};
+use super::document::{ContractEntry, Document, LineEntry, MachineEntry, PlayEntry, SkillsEntry};
 use super::explained;
-use super::table::{count, how, in_words, line_verdict, seconds, summary_of_verdicts, term};
+use super::table::{Mark, count, how, in_words, line_verdict, seconds, summary_of_verdicts, term};
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, picture as machine_picture};
@@ -110,31 +107,6 @@ fn tiles(document: &Document) -> Markup {
     }
 }
 
-/// Class of the style sheet that marks a verdict.
-fn class(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Realizable => "good",
-        Verdict::GaveUp => "open",
-        Verdict::Unrealizable | Verdict::Invalid | Verdict::InternalError => "bad",
-    }
-}
-
-fn class_of_line(entry: &LineEntry) -> &'static str {
-    match entry.verdict {
-        Validity::Valid => "good",
-        Validity::GaveUp => "open",
-        Validity::Invalid | Validity::InternalError => "bad",
-    }
-}
-
-fn class_of_skills(entry: &SkillsEntry) -> &'static str {
-    match entry.verdict {
-        SkillsVerdict::Consistent => "good",
-        SkillsVerdict::GaveUp => "open",
-        _ => "bad",
-    }
-}
-
 /// A declaration in the table of results.
 struct Row<'a> {
     id: String,
@@ -155,7 +127,7 @@ fn results(document: &Document) -> Markup {
             id: id("contract", number),
             name: &c.name,
             kind: "contract",
-            class: class(c.verdict),
+            class: Mark::from(c.verdict).class(),
             verdict: in_words(c.verdict),
             details: term(&c.codes),
             file: &c.file,
@@ -167,7 +139,7 @@ fn results(document: &Document) -> Markup {
             id: id("skills", number),
             name: &s.name,
             kind: "skills",
-            class: class_of_skills(s),
+            class: Mark::from(s.verdict).class(),
             verdict: in_words(s.verdict),
             details: format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule")),
             file: &s.file,
@@ -179,7 +151,7 @@ fn results(document: &Document) -> Markup {
             id: id("machine", number),
             name: &m.name,
             kind: "machine",
-            class: class(m.verdict),
+            class: Mark::from(m.verdict).class(),
             verdict: in_words(m.verdict),
             details: count(m.components.len(), "component"),
             file: &m.file,
@@ -191,7 +163,7 @@ fn results(document: &Document) -> Markup {
             id: id("line", number),
             name: &l.name,
             kind: "line",
-            class: class_of_line(l),
+            class: Mark::from(l.verdict).class(),
             verdict: in_words(l.verdict),
             details: line_verdict(l).to_owned(),
             file: &l.file,
@@ -263,7 +235,7 @@ fn contract(
         &id("contract", number),
         &entry.name,
         &entry.file,
-        class(entry.verdict),
+        Mark::from(entry.verdict).class(),
         &in_words(entry.verdict),
         &inside,
     )
@@ -368,7 +340,7 @@ fn skills(number: usize, entry: &SkillsEntry, sources: &SourceMap) -> Markup {
         &id("skills", number),
         &entry.name,
         &entry.file,
-        class_of_skills(entry),
+        Mark::from(entry.verdict).class(),
         &in_words(entry.verdict),
         &inside,
     )
@@ -419,7 +391,7 @@ fn machine(
         &id("machine", number),
         &entry.name,
         &entry.file,
-        class(entry.verdict),
+        Mark::from(entry.verdict).class(),
         &in_words(entry.verdict),
         &inside,
     )
@@ -493,7 +465,7 @@ fn line(assembly: &Assembly<'_>, number: usize, entry: &LineEntry, sources: &Sou
         &id("line", number),
         &entry.name,
         &entry.file,
-        class_of_line(entry),
+        Mark::from(entry.verdict).class(),
         &verdict,
         &inside,
     )

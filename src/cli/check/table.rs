@@ -19,7 +19,7 @@ const COLUMNS: usize = 8;
 
 /// Mark at the beginning of a table line.
 #[derive(Clone, Copy)]
-enum Mark {
+pub(super) enum Mark {
     Good,
     Bad,
     Open,
@@ -33,6 +33,15 @@ impl Mark {
             Self::Bad => (BAD, '✗'),
             Self::Open => (OPEN, '?'),
             Self::Failed => (BAD, '!'),
+        }
+    }
+
+    /// The class of the style sheet of pages.
+    pub(super) fn class(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Open => "open",
+            Self::Bad | Self::Failed => "bad",
         }
     }
 }

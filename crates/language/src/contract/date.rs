@@ -1,5 +1,16 @@
 //! Dates of the Gregorian calendar, as days since 1970-01-01.
 
+/// Names of the weekdays, by [`weekday`].
+pub const WEEKDAYS: [&str; 7] = [
+    "Monday",
+    "Tuesday",
+    "Wednesday",
+    "Thursday",
+    "Friday",
+    "Saturday",
+    "Sunday",
+];
+
 fn is_leap(year: u32) -> bool {
     year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400)
 }

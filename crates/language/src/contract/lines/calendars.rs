@@ -3,7 +3,7 @@
 
 use super::Builder;
 use crate::contract::calendar::{Shift, WorkCalendar, after, microseconds};
-use crate::contract::date::{days_in_month, days_since_1970, format_date, weekday};
+use crate::contract::date::{WEEKDAYS, days_in_month, days_since_1970, format_date, weekday};
 use crate::contract::elaborate::nearest;
 use crate::contract::machines::non_negative;
 use crate::contract::scope::duplicate_statement;
@@ -17,15 +17,6 @@ const MIN_MICROSECONDS: i64 = 1_000_000;
 /// Latest end of a holiday, in days from the start of a run. A run lasts 4e9 s at most, which is
 /// 46,296 days; so every line works again before its end.
 const LATEST_DAY: i64 = 46_000;
-const WEEKDAYS: [&str; 7] = [
-    "Monday",
-    "Tuesday",
-    "Wednesday",
-    "Thursday",
-    "Friday",
-    "Saturday",
-    "Sunday",
-];
 
 /// The first day of a run, and the closed days.
 #[derive(Debug, Default)]

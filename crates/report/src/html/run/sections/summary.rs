@@ -7,7 +7,7 @@ use crate::Intervals;
 use crate::html::numbers::{count, figure, percent};
 use crate::html::parts::{links, section, table, tile};
 use crate::table::{bottleneck, required};
-use linewright_language::contract::date::{format_date, weekday};
+use linewright_language::contract::date::{WEEKDAYS, format_date, weekday};
 use linewright_language::contract::line::declared_name;
 use linewright_language::contract::metric::Measure;
 use linewright_line::metric::JOULES_PER_KWH;
@@ -53,16 +53,6 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
         }
     }
 }
-
-const WEEKDAYS: [&str; 7] = [
-    "Monday",
-    "Tuesday",
-    "Wednesday",
-    "Thursday",
-    "Friday",
-    "Saturday",
-    "Sunday",
-];
 
 /// What came out, in words: products, the bottleneck, requirements, violations.
 fn conclusion(page: &Page<'_>) -> String {
