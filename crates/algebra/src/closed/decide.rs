@@ -126,7 +126,18 @@ impl ClosedDecider<'_> {
             for rule in &self.book.rules[self.runs.rules().len()..] {
                 self.runs.add(rule.clone());
             }
-            if self.can_break(keep, &last, all)? {
+            let neighbours = self.book.neighbours(self.closed, component);
+            let mut attempts = vec![
+                self.book.keep_of(&BTreeSet::from([component])),
+                self.book.keep_of(&neighbours),
+                keep.to_vec(),
+            ];
+            attempts.dedup();
+            let mut can_break = true;
+            for before in attempts {
+                can_break = can_break && self.can_break(&before, &last, all)?;
+            }
+            if can_break {
                 return Ok(false);
             }
         }
@@ -367,14 +378,23 @@ impl ClosedDecider<'_> {
         if all == Expr::TRUE {
             return Ok(true);
         }
+        // The components that begin the actions mostly see to their order on their own.
+        let watched = watch.rules(machine).map(|rule| rule.expr);
+        let beginning = watched.iter().chain([&all]);
+        let beginning = self.book.drivers_of(self.closed, beginning);
+        let near = self.book.keep_of(&beginning);
         let broken = self.add(FormulaKind::Invariant, all);
-        let keep = self.book.keep.clone();
-        let query = SafetyViolationQuery {
-            before: keep.clone(),
-            last: keep,
-            broken,
-        };
-        Ok(!self.runs.has_violation(&query)?)
+        for keep in [near, self.book.keep.clone()] {
+            let query = SafetyViolationQuery {
+                before: keep.clone(),
+                last: keep,
+                broken,
+            };
+            if !self.runs.has_violation(&query)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Returns how an operation fails. `in_order` states that all operations run their actions in

@@ -58,6 +58,8 @@ pub(super) struct RuleSet {
     pub last: Vec<usize>,
     /// For each component: those of `last` that say how it answers.
     answers: Vec<Vec<usize>>,
+    /// For each component: those of `keep` that say how it answers and what it assumes.
+    own: Vec<Vec<usize>>,
     /// Justice rules of the environment.
     pub environment_justice: Vec<usize>,
     /// Obligations of the components, in the order in which they are examined in a step.
@@ -76,6 +78,7 @@ impl RuleSet {
         let mut book = Self {
             tables: vec![None; closed.participants.len()],
             answers: vec![Vec::new(); closed.participants.len()],
+            own: vec![Vec::new(); closed.participants.len()],
             ..Self::default()
         };
         book.add_environment(closed);
@@ -89,6 +92,7 @@ impl RuleSet {
                 if at.kind != FormulaKind::Justice {
                     let kept = book.add(rule(at.kind, &formula.expr));
                     book.keep.push(kept);
+                    book.own[component].push(kept);
                     book.kept.push((at, kept));
                 }
             }
@@ -112,10 +116,11 @@ impl RuleSet {
     }
 
     /// Adds a rule that holds in every step, with or without errors.
-    fn add_always(&mut self, rule: Rule) {
+    fn add_always(&mut self, rule: Rule) -> usize {
         let number = self.add(rule);
         self.keep.push(number);
         self.last.push(number);
+        number
     }
 
     /// Adds the givens, the definitions of monitors, and the watch on operations.
@@ -181,12 +186,14 @@ impl RuleSet {
         };
         if let Some(fixed_outputs) = table.fixed_outputs() {
             for rule in fixed_outputs.rules() {
-                self.add_always(rule);
+                let rule = self.add_always(rule);
+                self.own[component].push(rule);
             }
         }
         let transitions = table.transitions_taken();
         let strict = self.add_condition(transitions.clone());
         self.keep.extend(strict);
+        self.own[component].extend(strict);
         let loose = self.add_condition(transitions.or(table.has_row().not()));
         self.last.extend(loose);
         self.answers[component].extend(loose);
@@ -213,6 +220,7 @@ impl RuleSet {
             for formula in guarantees.list(kind) {
                 let kept = self.add(rule(kind, &formula.expr));
                 self.keep.push(kept);
+                self.own[component].push(kept);
                 let condition = in_step(kind, formula);
                 let loose = self.add_condition(StepCondition {
                     first: first.clone().implies(condition.first).simplify(),
@@ -316,6 +324,44 @@ impl RuleSet {
             .collect();
         let last = self.last.iter().filter(|rule| !unread.contains(rule));
         (rules, last.copied().collect())
+    }
+
+    /// Returns the rules of `keep` without those of components other than `near`. Every run that
+    /// keeps `keep` keeps these rules, too.
+    pub fn keep_of(&self, near: &BTreeSet<usize>) -> Vec<usize> {
+        let own = self.own.iter().enumerate();
+        let others: BTreeSet<usize> = own
+            .filter(|(component, _)| !near.contains(component))
+            .flat_map(|(_, rules)| rules.iter().copied())
+            .collect();
+        let keep = self.keep.iter().filter(|rule| !others.contains(rule));
+        keep.copied().collect()
+    }
+
+    /// Returns the components that drive a variable which a component's own rules mention, and the
+    /// component itself.
+    pub fn neighbours(&self, closed: &ClosedComposition<'_>, component: usize) -> BTreeSet<usize> {
+        let rules = self.own[component]
+            .iter()
+            .map(|rule| &self.rules[*rule].expr);
+        let mut near = self.drivers_of(closed, rules);
+        near.insert(component);
+        near
+    }
+
+    /// Returns the components that drive a variable which one of these expressions mentions.
+    pub fn drivers_of<'e>(
+        &self,
+        closed: &ClosedComposition<'_>,
+        expressions: impl Iterator<Item = &'e Expr>,
+    ) -> BTreeSet<usize> {
+        let mut found = BTreeSet::new();
+        for expr in expressions {
+            expr.for_each_var(&mut |v, _| found.extend(closed.system.driver(v)));
+        }
+        // The system can have components without a controller, which only define monitors.
+        found.retain(|driver| *driver < self.own.len());
+        found
     }
 
     fn all_met(&mut self, of: impl Fn(usize) -> bool) -> [usize; 2] {

@@ -53,7 +53,7 @@ impl Allowance {
 
     /// Runs a part of the side search on a kernel with limited work. Returns `None` if it was
     /// interrupted; it is then due again after more work of the exploration.
-    fn run<K: Kernel, T>(
+    pub fn run<K: Kernel, T>(
         &mut self,
         steps: &Steps<K>,
         part: impl FnOnce(&Steps<K>) -> Result<T, Limit>,

@@ -116,6 +116,34 @@ impl<K: Kernel> ReachableStates<K> {
         Ok(more)
     }
 
+    /// Whether one of the steps `bad` that `last` allows begins in a reachable state. Going forward
+    /// from the reachable states, this is known only once they are complete; the states in which
+    /// such a step begins are a search beside it.
+    pub fn meets_step(&mut self, last: &Steps<K>, bad: &K::Function) -> Result<bool, Limit> {
+        let m = self.steps.m.clone();
+        let mut allowance = Allowance::new();
+        let mut unexamined = self.all.clone();
+        loop {
+            if allowance.is_due() {
+                // Without `last.states`: an invariant that only the last step keeps does not
+                // restrict the states before that step.
+                if let Some(from) = allowance.run(last, |last| last.before_any(bad))? {
+                    return self.meets(&from);
+                }
+            }
+            let before = m.work();
+            let after = last.after(&m.and(&unexamined, bad)?)?;
+            allowance.add(m.work() - before);
+            if !m.is_false(&after) {
+                return Ok(true);
+            }
+            if !self.grow_with(&mut allowance)? {
+                return Ok(false);
+            }
+            unexamined = self.last.clone();
+        }
+    }
+
     /// Whether a state of `goal` is reachable.
     pub fn meets(&mut self, goal: &K::Function) -> Result<bool, Limit> {
         let m = self.steps.m.clone();

@@ -38,8 +38,8 @@ enum Violation<K: Kernel> {
     AtStart(Vec<i64>),
     /// In these states, some of which are reachable.
     In(K::Function),
-    /// In a step of this relation from these states, some of which are reachable.
-    After(K::Function, Box<Steps<K>>),
+    /// In a step of this relation, from a reachable state.
+    After(Box<Steps<K>>),
 }
 
 /// A prepared query about infinite runs.
@@ -360,8 +360,9 @@ impl<K: Kernel> RuleEncoder<K> {
             let states = match violation {
                 Violation::AtStart(values) => return Ok(vec![values]),
                 Violation::In(states) => path.run_to(reached, &states)?,
-                Violation::After(states, last) => {
-                    let mut run = path.run_to(reached, &states)?;
+                Violation::After(last) => {
+                    let from = last.before_any(&encoder.m.constant(true))?;
+                    let mut run = path.run_to(reached, &from)?;
                     let (_, at) = &run[run.len() - 1];
                     let end = path.state(&encoder.m, &last.after(at)?)?;
                     run.push(end.expect("the last step does not exist; please report this"));
@@ -445,14 +446,8 @@ impl<K: Kernel> RuleEncoder<K> {
                 m.prime(broken)?
             }
         };
-        // Uses the backward relation without `last.states`, because an invariant that only the last
-        // step keeps does not restrict the states before that step.
-        let from = last.before_any(&bad)?;
-        if !reached.meets(&from)? {
-            return Ok(None);
-        }
-        let last = Box::new(last.only(&bad));
-        Ok(Some(Violation::After(from, last)))
+        let found = reached.meets_step(last, &bad)?;
+        Ok(found.then(|| Violation::After(Box::new(last.only(&bad)))))
     }
 
     fn path<'a>(&'a self, variables: &'a BTreeSet<VarId>) -> Path<'a> {
