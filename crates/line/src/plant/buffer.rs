@@ -12,28 +12,32 @@ use linewright_language::contract::line::BufferOrder;
 use std::collections::{BTreeMap, VecDeque};
 
 /// State of a buffer.
+///
+/// In the order of declaration: what every part needs comes first, so that a line of many buffers
+/// stays in the processor's cache.
 #[derive(Debug)]
+#[repr(C)]
 pub(super) struct Buffer {
     capacity: u32,
-    order: BufferOrder,
     /// Whether parts are ready at once, leave in the order in which they came, and never expire.
     is_plain: bool,
     ready: Ready,
+    pub level: Level,
+    pub waits: Waits,
     /// Number of parts that have come.
     came: i64,
-    /// Draws the dwell times; `None` if there are none.
-    dwell: Option<Sampler>,
+    /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
+    /// takes.
+    pub turn: Option<u64>,
     /// Parts that are not ready, by the time at which they will be.
     resting: BTreeMap<(Real, i64), (Rank, Waiting)>,
+    order: BufferOrder,
+    /// Draws the dwell times; `None` if there are none.
+    dwell: Option<Sampler>,
     /// Maximum time of a part in the buffer, in seconds.
     shelf_life: Option<f64>,
     /// Parts in the order in which they expire. Some have left already.
     expiries: VecDeque<Expiry>,
-    /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
-    /// takes.
-    pub turn: Option<u64>,
-    pub level: Level,
-    pub waits: Waits,
     /// Number of parts that have expired.
     pub expired: u64,
 }

@@ -149,7 +149,9 @@ const BELT: u8 = 2;
 const WARM_UP: u8 = 3;
 const BATCH: u8 = 4;
 
-/// A node in a run.
+/// A node in a run. Everything that does not depend on its kind fits into one line of the
+/// processor's cache.
+#[repr(align(64))]
 struct Node {
     place: Place,
     /// The parts that wait for it.
@@ -159,6 +161,9 @@ struct Node {
     /// Whether it is on the list of nodes to examine again.
     is_listed: bool,
 }
+
+#[cfg(target_pointer_width = "64")]
+const _: () = assert!(size_of::<Node>() == 64);
 
 /// State of a node.
 enum Place {

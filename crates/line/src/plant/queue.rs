@@ -24,8 +24,9 @@ pub(super) struct Request {
 #[derive(Debug, Default)]
 pub(super) struct Requests {
     first: Option<Request>,
-    /// Those after the first one; empty if there is none.
-    others: VecDeque<Request>,
+    /// Those after the first one; empty if there is none. Apart, because this is large and rarely
+    /// needed.
+    others: Option<Box<VecDeque<Request>>>,
 }
 
 impl Requests {
@@ -37,21 +38,24 @@ impl Requests {
 
     /// All requests, oldest first.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Request> {
-        self.first.iter().chain(&self.others)
+        let others = self.others.iter().flat_map(|others| others.iter());
+        self.first.iter().chain(others)
     }
 
     /// The request at this position.
     pub(super) fn get(&self, position: usize) -> Option<&Request> {
         match position {
             0 => self.first.as_ref(),
-            _ => self.others.get(position - 1),
+            _ => self.others.as_ref()?.get(position - 1),
         }
     }
 
     /// The only request; `None` if there are none or several.
     #[inline]
     pub(super) fn only(&self) -> Option<&Request> {
-        self.first.as_ref().filter(|_| self.others.is_empty())
+        let others = self.others.as_ref();
+        let only = others.is_none_or(|others| others.is_empty());
+        self.first.as_ref().filter(|_| only)
     }
 
     /// Removes the only request.
@@ -64,15 +68,19 @@ impl Requests {
     pub(super) fn get_mut(&mut self, position: usize) -> Option<&mut Request> {
         match position {
             0 => self.first.as_mut(),
-            _ => self.others.get_mut(position - 1),
+            _ => self.others.as_mut()?.get_mut(position - 1),
         }
     }
 
     /// Removes and returns the request at this position.
     pub(super) fn remove(&mut self, position: usize) -> Option<Request> {
+        let others = self.others.as_mut();
         match position {
-            0 => std::mem::replace(&mut self.first, self.others.pop_front()),
-            _ => self.others.remove(position - 1),
+            0 => {
+                let next = others.and_then(|others| others.pop_front());
+                std::mem::replace(&mut self.first, next)
+            }
+            _ => others?.remove(position - 1),
         }
     }
 
@@ -101,7 +109,7 @@ impl Requests {
         {
             std::mem::swap(first, &mut request);
         }
-        let others = &mut self.others;
+        let others = self.others.get_or_insert_default();
         let at = others.partition_point(|other| other.order < request.order);
         others.insert(at, request);
     }

@@ -17,22 +17,23 @@ const MAX_PLACES_BETWEEN: usize = 16;
 
 /// The waits of a station.
 #[derive(Debug, Default)]
+#[repr(C)]
 pub(super) struct Waits {
     /// The activity of the current interval, and its start in seconds.
     interval: Option<(Activity, f64)>,
+    /// Seconds of the intervals since the station became starved.
+    starved_seconds: f64,
+    /// The place from which the last part came.
+    pub supplier: Option<u32>,
     /// While blocked: the place without room, and the station at or behind it.
     blocker: (u32, Option<u32>),
+    blocked: Vec<Cause>,
+    starved: Vec<Cause>,
     /// Down times at the start of the interval: of the blocking station, or of each supplier, if
     /// they can be down.
     start: Vec<Down>,
-    /// Seconds of the intervals since the station became starved, and the down times in them of
-    /// each supplier.
-    starved_seconds: f64,
+    /// Down times of each supplier in the intervals since the station became starved.
     starved_down: Vec<Down>,
-    /// The place from which the last part came.
-    pub supplier: Option<u32>,
-    blocked: Vec<Cause>,
-    starved: Vec<Cause>,
 }
 
 /// Seconds in which a station has failed or is under repair, and in which it is off shift.

@@ -15,65 +15,69 @@ use crate::trace::{Oee, WorkTime};
 use linewright_language::contract::line::{self, Line};
 
 /// State of a station.
+///
+/// In the order of declaration: what every part needs stands together, so that a line of many
+/// stations stays in the processor's cache.
 #[derive(Debug)]
+#[repr(C)]
 pub(super) struct Station {
-    /// By task: its places for components; no places if the task joins nothing. Empty if no task
-    /// joins anything.
-    pub bills: Vec<Bill>,
-    /// The first of the parallel stations that it belongs to, or the station itself.
-    first_copy: u32,
-    /// Part type of each task.
-    kinds: Vec<usize>,
-    /// By part type: the first task that works on arriving parts of this type without joining.
-    plain: Vec<Option<u32>>,
     pub phase: Phase,
-    /// The part in work, or the finished part that waits to leave.
-    pub part: Option<PartIndex>,
-    task: u32,
-    /// Part type of the task that began last; another type needs setup.
-    last_kind: Option<usize>,
-    /// Seconds left in this phase, as of the time `resumed`.
-    remaining: f64,
-    resumed: f64,
     /// Whether setup or service is in progress, not interrupted by a breakdown or the end of a
     /// shift.
     running: bool,
-    /// Time at which setup or service for the part began.
-    begun_at: f64,
     on_shift: bool,
     /// Whether the station is off shift and finishes its part nevertheless.
     overtime: bool,
     /// Only the event with this number is valid.
     number: u32,
-    pub failures: Failures,
-    setup: Sampler,
+    /// The part in work, or the finished part that waits to leave.
+    pub part: Option<PartIndex>,
+    task: u32,
+    pub clock: Clock,
+    /// By task: its places for components; no places if the task joins nothing. Empty if no task
+    /// joins anything.
+    pub bills: Vec<Bill>,
+    /// By part type: the first task that works on arriving parts of this type without joining.
+    plain: Vec<Option<u32>>,
     /// By task: the duration of the work; `None` if a controller determines it.
     times: Vec<Option<Sampler>>,
-    defects: Stream,
-    /// Power during work whose duration no controller determines.
-    watts: f64,
-    /// The part's properties after the current service, and the machine's properties during it.
-    outcome: Vec<f64>,
-    values: Vec<f64>,
+    /// Seconds left in this phase, as of the time `resumed`.
+    remaining: f64,
+    resumed: f64,
+    /// Time at which setup or service for the part began.
+    begun_at: f64,
     /// Duration of this phase.
     phase_seconds: f64,
     service_joules: f64,
-    /// The part of the service in which no action is active, in seconds.
-    service_control: f64,
+    /// Power during work whose duration no controller determines.
+    watts: f64,
     // Time and energy accounts.
-    pub clock: Clock,
     pub joules: f64,
     pub processed: u64,
+    pub work_seconds: f64,
+    pub waits: Waits,
+    /// Part type of the task that began last; another type needs setup.
+    last_kind: Option<usize>,
+    /// The first of the parallel stations that it belongs to, or the station itself.
+    first_copy: u32,
+    pub failures: Failures,
+    /// The part of the service in which no action is active, in seconds.
+    service_control: f64,
     /// Seconds of control in the services that ended, and their total duration without failures.
     pub control_seconds: f64,
-    pub work_seconds: f64,
+    /// Part type of each task.
+    kinds: Vec<usize>,
+    setup: Sampler,
+    defects: Stream,
+    /// The part's properties after the current service, and the machine's properties during it.
+    outcome: Vec<f64>,
+    values: Vec<f64>,
     /// Seconds of work that was lost because it began again after a failure.
     pub lost_seconds: f64,
     /// Number of parts that were rejected because of this station; see `Run::charge_scrap`.
     pub scrapped: u64,
     /// Number of parts that a failure scrapped during the work; they are not `processed`.
     broken: u64,
-    pub waits: Waits,
 }
 
 /// Phase of a station's cycle.
