@@ -6,11 +6,12 @@
 //! with the same time and priority happen in the order in which they were scheduled, on every
 //! platform.
 //!
-//! The next few events lie in an array of fixed size, the later ones in a binary heap. The events
-//! of the array stay where they are; their order is kept beside it, in the digits of one number. A
-//! new event gets its place in this order by comparisons whose results no branch depends on: when
-//! an event happens cannot be predicted, so branches would often be mispredicted. In a small line,
-//! there are no later events; in a large one, an event takes logarithmic time.
+//! The next few events lie in an array of fixed size, the later ones in a heap. The events of the
+//! array stay where they are; their order is kept beside it, in the digits of one number. A new
+//! event gets its place in this order by comparisons whose results no branch depends on: when an
+//! event happens cannot be predicted, so branches would often be mispredicted. The same is true of
+//! the way down the heap. In a small line, there are no later events; in a large one, an event takes
+//! logarithmic time.
 
 /// Future events, sorted by time; see the module documentation.
 #[derive(Debug, Clone)]
@@ -24,7 +25,8 @@ pub struct Calendar<E> {
     order: u32,
     /// Number of next events.
     near: usize,
-    /// All other events, each later than the next ones, as a binary heap.
+    /// All other events, each later than the next ones, as a heap in which an entry has
+    /// [`CHILDREN`].
     far: Vec<Entry<E>>,
     scheduled: u64,
 }
@@ -40,6 +42,9 @@ const NUMBER_BITS: u32 = 56;
 
 /// Maximum number of events in the array: as many as an `order` has digits.
 const NEAR: usize = 8;
+
+/// Number of children of an entry of the heap.
+const CHILDREN: usize = 4;
 
 /// Number of bits of a digit of an `order`.
 const DIGIT_BITS: u32 = u32::BITS / NEAR as u32;
@@ -163,44 +168,35 @@ impl<E: Copy> Calendar<E> {
         }
     }
 
-    /// Removes and returns the first entry of the heap.
+    /// Removes and returns the first entry of the heap. The gap that it leaves goes down to the end
+    /// of the heap, and the last entry comes up from there: it mostly belongs near the end.
     fn take_far(&mut self) -> Option<Entry<E>> {
         let last = self.far.pop()?;
         let Some(&first) = self.far.first() else {
             return Some(last);
         };
         let heap = &mut self.far[..];
-        let mut at = 0;
-        loop {
-            let mut child = 2 * at + 1;
-            if child + 1 < heap.len() && heap[child + 1].key < heap[child].key {
-                child += 1;
-            }
-            if child >= heap.len() || last.key <= heap[child].key {
-                break;
-            }
-            heap[at] = heap[child];
-            at = child;
+        let mut gap = 0;
+        while let Some(children) = heap.get(CHILDREN * gap + 1..).and_then(<[_]>::first_chunk) {
+            let earliest = CHILDREN * gap + 1 + earliest_of(children);
+            heap[gap] = heap[earliest];
+            gap = earliest;
         }
-        heap[at] = last;
+        let rest = CHILDREN * gap + 1..heap.len();
+        if let Some(earliest) = rest.min_by_key(|child| heap[*child].key) {
+            heap[gap] = heap[earliest];
+            gap = earliest;
+        }
+        rise(heap, gap, last);
         Some(first)
     }
 
     /// Adds an entry to the heap.
     #[inline(never)]
     fn put_far(&mut self, entry: Entry<E>) {
-        let mut at = self.far.len();
+        let gap = self.far.len();
         self.far.push(entry);
-        let heap = &mut self.far[..];
-        while at > 0 {
-            let parent = (at - 1) / 2;
-            if heap[parent].key <= entry.key {
-                break;
-            }
-            heap[at] = heap[parent];
-            at = parent;
-        }
-        heap[at] = entry;
+        rise(&mut self.far, gap, entry);
     }
 }
 
@@ -208,6 +204,29 @@ impl<E: Copy> Default for Calendar<E> {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Puts an entry into a gap of the heap, or further up, in place of later entries.
+#[inline]
+fn rise<E: Copy>(heap: &mut [Entry<E>], mut gap: usize, entry: Entry<E>) {
+    while gap > 0 {
+        let parent = (gap - 1) / CHILDREN;
+        if heap[parent].key <= entry.key {
+            break;
+        }
+        heap[gap] = heap[parent];
+        gap = parent;
+    }
+    heap[gap] = entry;
+}
+
+/// The position of the earliest entry, without branches; see the module documentation.
+#[inline]
+fn earliest_of<E>(entries: &[Entry<E>; CHILDREN]) -> usize {
+    let [a, b, c, d] = entries;
+    let left = usize::from(b.key < a.key);
+    let right = 2 + usize::from(d.key < c.key);
+    left + (right - left) * usize::from(entries[right].key < entries[left].key)
 }
 
 /// The first slot of an order.
