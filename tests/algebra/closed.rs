@@ -427,6 +427,67 @@ fn the_small_machines_of_the_laboratory_hold() {
     }
 }
 
+/// Guarantees by component, from which justice of the others can be proved.
+const HELP: [&[&str]; 3] = [
+    &[
+        "guarantee turns: always (next c = (c + 1) mod 3)",
+        "guarantee asks: always eventually c = 1",
+        "guarantee rests: always eventually c = 0",
+        "guarantee ends: always (done <-> c = 2)",
+        "guarantee finishes: always eventually done",
+    ],
+    &[
+        "guarantee answers: always (a <-> c = 1)",
+        "guarantee acts: always eventually a",
+        "guarantee waits: always eventually not a",
+    ],
+    &[
+        "guarantee follows: always (b <-> c = 2)",
+        "guarantee acts: always eventually b",
+    ],
+];
+
+/// Justice that was proved from the contracts is not decided again: whoever decides it again comes
+/// to the same verdict.
+#[test]
+fn proved_justice_changes_no_verdict() {
+    let mut random = Random::new(27);
+    let limits = Limits::default();
+    let (mut decided, mut known, mut open) = (0, 0, 0);
+    while decided < 150 {
+        let weak = ["done -> c < 3", "a -> c < 3", "b -> c < 3"];
+        let text = weak
+            .iter()
+            .zip(HELP)
+            .fold(text(&mut random), |text, (weak, help)| {
+                let weak = format!("guarantee g: always ({weak})");
+                text.replace(&weak, &format!("{weak}\n{}", some(&mut random, help)))
+            });
+        let machine = load(&text);
+        let Some(controllers) = synthesized_as_far_as_can_be(&machine) else {
+            continue;
+        };
+        decided += 1;
+        let controllers: Vec<&mealy::Controller> = controllers.iter().collect();
+        let (system, claim) = of_machine(&machine);
+        let proof = proof::decide(&system, &claim, &limits).expect("no limit");
+        let closed = || ClosedComposition::of_machine(&machine, &controllers);
+        let knowing = closed().knowing(&proof);
+        known += knowing.known.len();
+        let again = closed().decide(&limits).expect("no limit");
+        let (closed, verdict) = (closed(), knowing.decide(&limits).expect("no limit"));
+        assert_eq!(shown(&closed, &verdict), shown(&closed, &again), "{text}");
+        let met = |verdict: &Verdict| -> BTreeSet<_> {
+            let met = verdict.met.iter();
+            met.map(|(at, _)| format!("{at:?}")).collect()
+        };
+        assert_eq!(met(&verdict), met(&again), "{text}");
+        open += usize::from(again.is_broken());
+    }
+    println!("{decided} machines, {known} formulas known, {open} machines with errors");
+    assert!(known > 50 && open > 20, "{known} known, {open} open");
+}
+
 #[test]
 fn the_assembly_cell_holds() {
     let machine = machine("ice-lab/cell");
