@@ -461,15 +461,22 @@ fn requirements_of_all(out: &mut String, line: &Line, requirements: &[Replicated
 }
 
 /// Returns the condition of requirement number `index` of the line, such as `products >= 5`.
-pub(super) fn required(line: &Line, index: usize) -> String {
+fn required(line: &Line, index: usize) -> String {
+    required_with(line, index, |bound| bound.to_string())
+}
+
+/// Returns the condition of requirement number `index` of the line, with its bound in the format of
+/// `number`.
+pub(super) fn required_with(line: &Line, index: usize, number: impl Fn(f64) -> String) -> String {
     line.requirements.get(index).map_or(String::new(), |r| {
         // Computed bounds are rounded, such as the third of an hour's parts.
         let rounded = (r.bound * 1000.0).round() / 1000.0;
         let bound = if rounded == 0.0 { r.bound } else { rounded };
         format!(
-            "{} {} {bound}",
+            "{} {} {}",
             line.label_of(&r.metric),
-            sign(r.comparison)
+            sign(r.comparison),
+            number(bound)
         )
     })
 }

@@ -3,9 +3,11 @@
 //! The script reads the columns in the same way, so both change together.
 
 use super::super::for_script;
+use super::moments::Moments;
 use super::picture::Picture;
 use super::recorder::{Move, Target};
 use super::{Page, packed, state_class};
+use linewright_language::contract::date::{format_date, weekday};
 use linewright_language::contract::line::{Line, Node, NodeKind};
 use linewright_line::log::Activity;
 use packed::{Bytes, tick};
@@ -40,6 +42,21 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
             json!({ "count": changes.len(), "bytes": state_column(changes, waiting, ticks) })
         })
         .collect();
+    let refusals: Vec<Value> = recorder
+        .refusals
+        .iter()
+        .map(|times| {
+            if times.is_empty() {
+                return Value::Null;
+            }
+            json!({ "count": times.len(), "bytes": times_column(times, ticks) })
+        })
+        .collect();
+    let days = match Moments::of(page.line) {
+        Moments::Elapsed => Value::Null,
+        Moments::Weekdays(first) => json!({ "weekday": first, "date": null }),
+        Moments::Dates(first) => json!({ "weekday": weekday(first), "date": format_date(first) }),
+    };
     let violations: Vec<Value> = page.traces[0]
         .violations
         .iter()
@@ -49,7 +66,14 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
         "end": recorder.end,
         "tick": tick,
         "margins": page.axis().margins(),
-        "nodes": page.line.nodes.iter().map(node).collect::<Vec<_>>(),
+        "days": days,
+        "nodes": page.line.nodes.iter().enumerate().map(|(index, of)| {
+            let mut value = node(of);
+            if recorder.waiting(index) == Activity::Idle {
+                value["isUnused"] = json!(true);
+            }
+            value
+        }).collect::<Vec<_>>(),
         "parts": page.line.parts.iter().map(|part| &part.name).collect::<Vec<_>>(),
         "links": picture.links,
         "stateNames": STATES.map(state_class),
@@ -61,34 +85,30 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
         },
         "movesEnd": recorder.moves_end,
         "violations": violations,
+        "refusals": refusals,
     });
     for_script(&document.to_string())
 }
 
 /// A place: name, kind, and what its parts need.
 fn node(node: &Node) -> Value {
+    let mut value = json!({ "name": node.name, "kind": node.kind.word() });
     match &node.kind {
-        NodeKind::Source { .. } => json!({ "name": node.name, "kind": "source" }),
-        NodeKind::Sink { .. } => json!({ "name": node.name, "kind": "sink" }),
-        NodeKind::Store { .. } => json!({ "name": node.name, "kind": "store" }),
-        NodeKind::Station(_) => json!({ "name": node.name, "kind": "station" }),
         NodeKind::Conveyor {
             places,
             pitch,
             speed,
             belt,
             ..
-        } => json!({
-            "name": node.name,
-            "kind": "conveyor",
-            "places": places,
-            "pitchSeconds": pitch / speed,
-            "isStepped": belt.is_some(),
-        }),
-        NodeKind::Buffer { capacity, .. } => {
-            json!({ "name": node.name, "kind": "buffer", "capacity": capacity })
+        } => {
+            value["places"] = json!(places);
+            value["pitchSeconds"] = json!(pitch / speed);
+            value["isStepped"] = json!(belt.is_some());
         }
+        NodeKind::Buffer { capacity, .. } => value["capacity"] = json!(capacity),
+        _ => {}
     }
+    value
 }
 
 /// For each change: eight times the ticks since the last one, plus the number of the state. Waiting
@@ -110,6 +130,18 @@ fn state_column(
         let class = state_class(shown);
         let number = STATES.iter().position(|state| state_class(*state) == class);
         bytes.push((now - last) << 3 | number.unwrap_or(0) as u64);
+        last = now;
+    }
+    bytes.packed()
+}
+
+/// For each time: the ticks since the last one.
+fn times_column(times: &[f64], ticks: impl Fn(f64) -> u64) -> String {
+    let mut bytes = Bytes::default();
+    let mut last = 0;
+    for time in times {
+        let now = ticks(*time);
+        bytes.push(now - last);
         last = now;
     }
     bytes.packed()
