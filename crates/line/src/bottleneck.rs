@@ -3,7 +3,7 @@
 //! A line whose sources never have to wait takes in all that they bring: the sources limit it,
 //! however busy its stations are. Otherwise, the bottleneck is where most time is lost to work,
 //! setup and repair. If stations are nearly equal in this, one run cannot decide between them. If
-//! that station waits much of its time on shift for the parts of sources that bring them at times of
+//! that station waits much of its time on shift for parts of sources that bring them at times of
 //! their own, these sources limit the line, and not the station: it could work on more.
 
 use crate::trace::{SourceStatistics, StationStatistics, WaitKind};

@@ -60,8 +60,9 @@ impl Changes {
         variants.collect()
     }
 
-    /// Reads the options of one variant. `NAME=10%` with the name of a station makes it 10 % faster; everything
-    /// else is set as by `--set`, and replaces a number that `--set` has set by the same name.
+    /// Reads the options of one variant. `NAME=10%` with the name of a station makes it 10 %
+    /// faster; everything else is set as by `--set`, and replaces a number that `--set` has set by
+    /// the same name.
     ///
     /// # Errors
     /// Returns a message if a percentage is not greater than -100 %, or has no `%`, or if a station

@@ -277,6 +277,7 @@ fn variants_are_side_by_side() {
             &of_measure("fast"),
             &of_measure("slow"),
             "Where the time goes, slow",
+            "<th scope=\"row\">mean lead time</th>",
         ],
     );
 }
@@ -335,6 +336,8 @@ fn the_flow_sums_up_to_what_was_created() {
             ">taken out at labeller</text>",
             "<title>camera to scrap: ",
             "<td>taken out: scrapped, expired or refused</td>",
+            "<h3>First-pass yield</h3>",
+            "parts that were only bought and joined do not count",
         ],
     );
 }

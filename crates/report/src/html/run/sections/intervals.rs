@@ -9,7 +9,7 @@ use crate::html::parts::{behind, section, table};
 use crate::{Intervals, Variant};
 use linewright_language::contract::metric::Measure;
 use linewright_line::comparison::{COMPARED, Comparison};
-use linewright_line::trace::End;
+use linewright_line::trace::{End, duration_in_units};
 use linewright_line::{Estimate, Trace};
 use maud::{Markup, html};
 
@@ -32,19 +32,42 @@ pub(super) fn mean_of_runs(page: &Page<'_>, figure: impl Fn(&Trace) -> Option<f6
 
 /// A mean with its interval, as text.
 pub(super) fn interval(estimate: Option<Estimate>) -> String {
+    interval_with(estimate, figure)
+}
+
+/// A mean with its interval, with its numbers in this format.
+fn interval_with(estimate: Option<Estimate>, show: impl Fn(f64) -> String) -> String {
     let Some(Estimate { mean, half_width }) = estimate else {
         return "-".to_owned();
     };
     match half_width {
         Some(half) => format!(
             "{} ({} to {})",
-            figure(mean),
-            figure(mean - half),
-            figure(mean + half)
+            show(mean),
+            show(mean - half),
+            show(mean + half)
         ),
-        None => figure(mean),
+        None => show(mean),
     }
 }
+
+/// The name of a measure; that of a time in seconds without its unit, which its values have.
+fn name_of(measure: Measure) -> &'static str {
+    let label = measure.info().label;
+    label.strip_suffix(SECONDS).unwrap_or(label)
+}
+
+/// A value of a measure, or a difference of two: times with their units.
+fn value_of(measure: Measure, value: f64) -> String {
+    if !measure.info().label.ends_with(SECONDS) {
+        return figure(value);
+    }
+    let sign = if value < 0.0 { "-" } else { "" };
+    format!("{sign}{}", duration_in_units(value.abs()))
+}
+
+/// The unit in the names of times.
+const SECONDS: &str = " in s";
 
 pub(super) fn replications(page: &Page<'_>) -> Markup {
     const SHOWN: [Measure; 6] = [
@@ -84,7 +107,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
             let (mean, half) = (estimate.mean, estimate.half_width.unwrap_or(0.0));
             let of_mean = |value: f64| value / mean - 1.0;
             (mean != 0.0).then(|| Range {
-                name: measure.info().label.to_owned(),
+                name: name_of(*measure).to_owned(),
                 low: of_mean(mean - half),
                 mean: 0.0,
                 high: of_mean(mean + half),
@@ -94,7 +117,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
                     let values = of_runs(*measure, page.traces);
                     values.into_iter().map(of_mean).collect()
                 },
-                text: interval(Some(estimate)),
+                text: interval_with(Some(estimate), |value| value_of(*measure, value)),
             })
         })
         .collect();
@@ -105,16 +128,14 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
             let cells = SHOWN.iter().map(|measure| {
                 of_runs(*measure, std::slice::from_ref(trace))
                     .first()
-                    .map_or("-".to_owned(), |v| figure(*v))
+                    .map_or("-".to_owned(), |value| value_of(*measure, *value))
             });
             std::iter::once(trace.seed.to_string())
                 .chain(cells)
                 .collect()
         })
         .collect();
-    let headings: Vec<&str> = std::iter::once("Seed")
-        .chain(SHOWN.map(|m| m.info().label))
-        .collect();
+    let headings: Vec<&str> = std::iter::once("Seed").chain(SHOWN.map(name_of)).collect();
     let inside = html! {
         p { (about) }
         (charts::ranges(heading, &ranges))
@@ -186,7 +207,7 @@ fn of_measure<'a>(variants: &'a [Compared<'a>], measure: Measure) -> Vec<(usize,
 fn range(compared: &Comparison, label: &str, are_several: bool) -> Range {
     let half = compared.difference.half_width.unwrap_or(0.0) / compared.as_it_is.abs();
     let mean = compared.difference.mean / compared.as_it_is.abs();
-    let measure = compared.measure.info().label;
+    let measure = name_of(compared.measure);
     Range {
         name: if are_several {
             format!("{measure}, {label}")
@@ -214,9 +235,9 @@ fn measure_rows(variants: &[Compared<'_>], labels: &[&str], measure: Measure) ->
     };
     let row = |line: &str, mean: f64, difference: String, is_significant: &str| {
         vec![
-            measure.info().label.to_owned(),
+            name_of(measure).to_owned(),
             line.to_owned(),
-            figure(mean),
+            value_of(measure, mean),
             difference,
             is_significant.to_owned(),
         ]
@@ -231,7 +252,7 @@ fn measure_rows(variants: &[Compared<'_>], labels: &[&str], measure: Measure) ->
         rows.push(row(
             labels[variant],
             compared.what_if,
-            interval(Some(compared.difference)),
+            interval_with(Some(compared.difference), |value| value_of(measure, value)),
             is_significant,
         ));
     }

@@ -33,7 +33,7 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
         (parts_legend(page, &html! {
             li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "pale: where a part has just come from" }
         }))
-        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number beside a place is that of the parts in it. While the run plays, a pale copy on the arrow shows the way of a part that has just moved." }
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number beside a place is that of the parts in it. Of more than 14, some are drawn and the rest is a number. While the run plays, a pale copy on the arrow shows the way of a part that has just moved." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())

@@ -123,6 +123,8 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
         lead_time(|time| time.p50),
         lead_time(|time| time.p95)
     );
+    let product = page.line.only_product();
+    let product = product.map_or("product", |product| &page.line.parts[product].name);
     let most_units = page.traces.iter().map(|trace| trace.wip.max).max();
     let kwh = trace.joules / JOULES_PER_KWH;
     let per_product = mean_of_runs(page, |t| of_products(t, t.joules / t.products as f64));
@@ -141,7 +143,7 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
             }
             @if trace.joules > 0.0 {
                 (measured(page, Measure::Energy, "Energy", kwh, &per_product.map_or(String::new(), |joules| {
-                    format!("{} kWh a product", figure(joules / JOULES_PER_KWH))
+                    format!("{} kWh a {product}", figure(joules / JOULES_PER_KWH))
                 })))
             }
             @if let (true, Some(first_pass)) = (has_products, mean(|trace| trace.yields.first_pass_yield())) {
