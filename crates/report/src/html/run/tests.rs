@@ -222,7 +222,7 @@ fn the_conclusion_of_replications_is_of_all_runs() {
         &text,
         &[
             "In 3 runs, the line made ",
-            &format!("products an hour; half of them were in it for less than {median}."),
+            &format!("products an hour; the mean of the runs' median lead times is {median}."),
             "In all of them, the supply from water and juice, for which filler waits, limits it.",
             &format!("<dd>{products}</dd>"),
             "mean of 3 runs, ± ",

@@ -24,10 +24,7 @@ fn products(page: &Page<'_>) -> String {
     let trace = first(page);
     let runs = page.traces.len();
     if page.traces.iter().all(|trace| trace.products == 0) {
-        return match runs {
-            1 => "The line made no product in this one run.".to_owned(),
-            runs => format!("The line made no product in {runs} runs."),
-        };
+        return format!("The line made no product in {}.", counted_runs(runs));
     }
     let median = mean_of_runs(page, |trace| {
         (trace.products > 0).then_some(trace.lead_time.p50)
@@ -37,7 +34,8 @@ fn products(page: &Page<'_>) -> String {
     let word = product_word(page.line);
     match page.intervals {
         Some(Intervals::Replications(_)) => format!(
-            "In {runs} runs, the line made {of_runs} {word} an hour; half of them were in it for less than {median}."
+            "In {}, the line made {of_runs} {word} an hour; the mean of the runs' median lead times is {median}.",
+            counted_runs(runs)
         ),
         Some(Intervals::Batches(batches)) => format!(
             "In {} batches of this one run, the line made {of_runs} {word} an hour; half of them were in it for less than {median}.",
@@ -48,6 +46,13 @@ fn products(page: &Page<'_>) -> String {
             counted(page.line, &made(page.line, trace)),
             figure(trace.throughput_per_hour)
         ),
+    }
+}
+
+fn counted_runs(runs: usize) -> String {
+    match runs {
+        1 => "this one run".to_owned(),
+        runs => format!("{runs} runs"),
     }
 }
 
