@@ -46,7 +46,7 @@ fn reports_can_be_read_and_used_in_a_browser() {
     let dated = std::fs::read_to_string(root().join("examples/bottling/line.lw"));
     let dated = dated
         .expect("a line")
-        .replace("    limit 7 d", "    start 2026-11-30\n    limit 2 d");
+        .replace("    limit 7 d", "    start 2026-11-30\n    limit 7 d");
     std::fs::write(folder.join("dated.lw"), dated).expect("a line");
     let (laboratory, bottling) = ("examples/ice-lab/line.lw", "examples/bottling/line.lw");
     let pages = [

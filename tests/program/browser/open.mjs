@@ -73,7 +73,7 @@ async function use(page, problem) {
     await page.$eval("#time", (input, value) => { input.value = value; input.dispatchEvent(new Event("input")); }, thousandth);
     for (const place of await miscounted(page)) problem(`at ${thousandth / 10} % of the run, ${place}`);
   }
-  await page.$eval("#time", (input) => { input.value = 300; input.dispatchEvent(new Event("input")); });
+  await page.$eval("#time", (input) => { input.value = 100; input.dispatchEvent(new Event("input")); });
 
   const stopped = await text("clock");
   await press("forward");

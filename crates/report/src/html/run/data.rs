@@ -23,6 +23,17 @@ const STATES: [Activity; 6] = [
     Activity::Setup,
 ];
 
+/// All states, in their order.
+const ACTIVITIES: [Activity; 7] = [
+    Activity::Busy,
+    Activity::Starved,
+    Activity::Blocked,
+    Activity::Failed,
+    Activity::Idle,
+    Activity::Setup,
+    Activity::FailedOffShift,
+];
+
 /// Number of a movement's end that is no place: finished, rejected, joined.
 const ENDS: u64 = 3;
 
@@ -79,6 +90,7 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
         "stateNames": STATES.map(state_class),
         "states": states,
         "statesEnd": recorder.states_end,
+        "laterStates": later_states(page),
         "moves": {
             "count": recorder.moves.len(),
             "bytes": move_column(page.line, &recorder.moves, ticks),
@@ -122,17 +134,58 @@ fn state_column(
     let mut last = 0;
     for (time, state) in changes {
         let now = ticks(*time);
-        let shown = if *state == Activity::Starved {
-            waiting
-        } else {
-            *state
-        };
-        let class = state_class(shown);
+        let class = state_class(shown(*state, waiting));
         let number = STATES.iter().position(|state| state_class(*state) == class);
         bytes.push((now - last) << 3 | number.unwrap_or(0) as u64);
         last = now;
     }
     bytes.packed()
+}
+
+/// The states after those whose changes are in the columns: the width of a bin of time, the number
+/// of the first bin, and by node the percentages of the states in each bin; null if there is none.
+fn later_states(page: &Page<'_>) -> Value {
+    let recorder = page.recorder;
+    let Some(end) = recorder.states_end else {
+        return Value::Null;
+    };
+    let mut layout = (0.0, 0);
+    let nodes = 0..page.line.nodes.len();
+    let columns = nodes.map(|node| {
+        if recorder.states[node].is_empty() {
+            return Value::Null;
+        }
+        let Some((bins, width)) = recorder.later_states(node) else {
+            return Value::Null;
+        };
+        let first = (end / width) as usize;
+        layout = (width, first);
+        let mut bytes = Bytes::default();
+        let waiting = recorder.waiting(node);
+        let bins = bins.iter().skip(first);
+        for bin in bins.clone() {
+            let all: f64 = bin.iter().sum();
+            for class in STATES.map(state_class) {
+                let states = bin.iter().zip(ACTIVITIES);
+                let of_class =
+                    states.filter(|(_, state)| state_class(shown(*state, waiting)) == class);
+                let seconds: f64 = of_class.map(|(seconds, _)| seconds).sum();
+                bytes.push((100.0 * seconds / all.max(f64::MIN_POSITIVE)).round() as u64);
+            }
+        }
+        json!({ "count": bins.len(), "bytes": bytes.packed() })
+    });
+    let columns: Vec<Value> = columns.collect();
+    json!({ "width": layout.0, "first": layout.1, "nodes": columns })
+}
+
+/// The state as which a state is shown, if waiting for parts is shown as `waiting`.
+fn shown(state: Activity, waiting: Activity) -> Activity {
+    if state == Activity::Starved {
+        waiting
+    } else {
+        state
+    }
 }
 
 /// For each time: the ticks since the last one.

@@ -48,6 +48,13 @@
     return Float64Array.from({ length: column.count }, () => (ticks += next()) * data.tick);
   }
 
+  // By station: the percentages of the states in each bin of time after the last known change.
+  async function readShares(column) {
+    if (!column) return null;
+    const next = await numbers(column.bytes);
+    return Uint8Array.from({ length: column.count * data.stateNames.length }, next);
+  }
+
   async function readMoves() {
     const { count, bytes } = data.moves;
     const next = await numbers(bytes);
@@ -139,7 +146,7 @@
     paths.set(from * data.nodes.length + to, path);
   }
 
-  let moves, states, refusals;
+  let moves, states, refusals, later = [];
   let time = 0;
   // Parts in the line: by number, where they are, since when, and from where they came.
   let there = new Map();
@@ -432,7 +439,7 @@
       pen.textAlign = "right";
       pen.fillText(data.nodes[node].name, left - 8, y + tall / 2, left - 12);
       if (states[node]) drawRow(pen, states[node], x, y, tall);
-      if (data.statesEnd !== null && data.statesEnd < to) drawUnknown(pen, Math.max(left, x(data.statesEnd)), width - right, y, tall);
+      if (data.statesEnd !== null && data.statesEnd < to) drawLater(pen, later[node], Math.max(left, Math.round(x(data.statesEnd))), width - right, scale, y, tall);
       drawRefusals(pen, refusals[node], x, y);
     });
     pen.strokeStyle = colours.rule;
@@ -491,13 +498,26 @@
     flush();
   }
 
-  // Time in which the states are not known, because there were too many changes before.
-  function drawUnknown(pen, a, b, y, tall) {
-    pen.strokeStyle = colours.rule;
-    pen.strokeRect(a + 0.5, y + 0.5, b - a - 1, tall - 1);
-    pen.fillStyle = colours.soft;
-    pen.textAlign = "center";
-    if (b - a > 80) pen.fillText("not recorded", (a + b) / 2, y + tall / 2);
+  // The shares of the states at a time after the last known change.
+  function sharesAt(shares, at) {
+    const count = data.stateNames.length, bins = shares.length / count;
+    const bin = Math.max(0, Math.min(Math.floor(at / data.laterStates.width) - data.laterStates.first, bins - 1));
+    return shares.subarray(bin * count, (bin + 1) * count);
+  }
+  // Draws them, for every pixel from a to b.
+  function drawLater(pen, shares, a, b, scale, y, tall) {
+    if (!shares) return;
+    for (let pixel = a; pixel < b; pixel++) {
+      const of = sharesAt(shares, from + (pixel + 0.5 - left) / scale);
+      const all = of.reduce((sum, share) => sum + share, 0) || 1;
+      let bottom = y + tall;
+      of.forEach((share, state) => {
+        if (share === 0) return;
+        pen.fillStyle = colours.states[state];
+        pen.fillRect(pixel, bottom - tall * share / all, 1, tall * share / all);
+        bottom -= tall * share / all;
+      });
+    }
   }
 
   // A triangle at the top of the row for each refusal, at most one a pixel.
@@ -577,6 +597,10 @@
     const at = timeAt(event);
     if (node === undefined || at < 0) return "";
     if (!states[node]) return `${data.nodes[node].name}: a mark is a refusal`;
+    if (data.statesEnd !== null && at >= data.statesEnd) {
+      const said = [...sharesAt(later[node], at)].map((share, state) => [share, word(node, data.stateNames[state])]).filter(([share]) => share > 0);
+      return `${data.nodes[node].name}, in ${span(data.laterStates.width)}: ${said.map(([share, name]) => `${name} ${share} %`).join(", ")}`;
+    }
     const { times, states: of } = states[node];
     const index = last(times, at);
     if (index < 0) return "";
@@ -589,6 +613,7 @@
 
   async function begin() {
     [moves, states, refusals] = await Promise.all([readMoves(), Promise.all(data.states.map(readStates)), Promise.all(data.refusals.map(readTimes))]);
+    if (data.laterStates) later = await Promise.all(data.laterStates.nodes.map(readShares));
     snapshots.push({ there: new Map(), gone: data.nodes.map(() => 0), applied: 0 });
     reset();
     readColours();

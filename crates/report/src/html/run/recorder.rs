@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashMap};
 const MAX_MOVES: usize = 250_000;
 
 /// Maximum number of changes of state that the chart of the stations shows, over all stations.
-/// Later ones are left out.
+/// After them, it shows the share of each state in bins of time.
 const MAX_CHANGES: usize = 600_000;
 
 /// Maximum number of refusals that the chart of the stations marks. Later ones are left out.
@@ -66,6 +66,10 @@ pub struct Recorder {
     changes: usize,
     /// Time from which on changes of state were left out, in seconds.
     pub(super) states_end: Option<f64>,
+    /// By node: its state, and since when.
+    current: Vec<Option<(f64, Activity)>>,
+    /// By node: from the end of the changes on, seconds in each state.
+    later: Vec<[Sums; 7]>,
     pub(super) moves: Vec<Move>,
     /// Time from which on movements were left out, in seconds.
     pub(super) moves_end: Option<f64>,
@@ -120,6 +124,8 @@ impl Recorder {
             states: vec![Vec::new(); nodes],
             changes: 0,
             states_end: None,
+            current: vec![None; nodes],
+            later: vec![std::array::from_fn(|_| Sums::new()); nodes],
             moves: Vec::new(),
             moves_end: None,
             units: Steps::new(),
@@ -217,7 +223,38 @@ impl Recorder {
         }
     }
 
+    /// For the time after the changes of state that were recorded: the seconds in each state in
+    /// each bin of time from 0 on, and the width of a bin in seconds; `None` if all were recorded.
+    pub(super) fn later_states(&self, node: usize) -> Option<(Vec<[f64; 7]>, f64)> {
+        self.states_end?;
+        let mut bins = Vec::new();
+        let mut width = 0.0;
+        for (state, sums) in self.later[node].iter().enumerate() {
+            let mut sums = sums.clone();
+            // All get bins of the same width.
+            sums.spread(self.end, self.end, 0.0);
+            let (seconds, of_state) = sums.until(self.end, CURVE);
+            bins.resize(seconds.len(), [0.0; 7]);
+            for (bin, seconds) in bins.iter_mut().zip(seconds) {
+                bin[state] = seconds;
+            }
+            width = of_state;
+        }
+        Some((bins, width))
+    }
+
+    /// Counts the time of a node in its state up to `time`, if its changes are not recorded any
+    /// more.
+    fn count_later_state(&mut self, time: f64, node: usize) {
+        if let (Some(from), Some((since, state))) = (self.states_end, self.current[node]) {
+            let since = since.max(from);
+            self.later[node][state as usize].spread(since, time, (time - since).max(0.0));
+        }
+    }
+
     fn change_state(&mut self, time: f64, node: usize, state: Activity) {
+        self.count_later_state(time, node);
+        self.current[node] = Some((time, state));
         self.last[node].1 = state;
         let known = self.states[node].last();
         if known.is_some_and(|(_, last)| *last == state) {
@@ -370,5 +407,8 @@ impl Observer for Recorder {
 
     fn end(&mut self, moment: Moment, _end: End) {
         self.end = moment.time;
+        for node in 0..self.current.len() {
+            self.count_later_state(moment.time, node);
+        }
     }
 }

@@ -405,6 +405,38 @@ fn the_columns_for_the_script_are_those_of_the_log() {
     }
 }
 
+/// A week has more changes of state than the timeline has room for. After them, it shows their
+/// shares, so that each row goes to the end.
+#[test]
+fn the_timeline_of_a_long_run_goes_to_its_end() {
+    let run = recorded(BOTTLING, for_hours(7.0 * 24.0));
+    let end = run.recorder.states_end.expect("more changes than room");
+    assert!(end < run.recorder.end / 2.0);
+    for station in &run.trace.stations {
+        let (bins, width) = run.recorder.later_states(station.node).unwrap();
+        let seconds: f64 = bins.iter().flatten().sum();
+        assert_near(seconds, run.recorder.end - end, &station.name);
+        let first = (end / width) as usize;
+        assert!(
+            bins[..first]
+                .iter()
+                .flatten()
+                .all(|seconds| *seconds == 0.0)
+        );
+        assert!(
+            bins[first..]
+                .iter()
+                .all(|bin| bin.iter().sum::<f64>() > 0.0)
+        );
+    }
+    let text = run.written();
+    assert!(text.len() < 2_000_000, "{} bytes", text.len());
+    assert_contains(
+        &text,
+        &["too many changes: the rows show the shares of the states in each 30 min."],
+    );
+}
+
 #[test]
 fn a_page_asks_no_network_and_is_small() {
     for run in runs() {

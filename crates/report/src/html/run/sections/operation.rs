@@ -1,6 +1,7 @@
 //! What the stations do: the picture that plays the run, shares of states, and the timeline.
 
 use super::super::charts::{Bar, Piece};
+use super::super::moments::Moments;
 use super::super::picture::Picture;
 use super::super::{Page, charts, state_class};
 use super::{STATES, first, idle_name, legend, legend_with, part_shape, parts_legend};
@@ -219,9 +220,18 @@ pub(super) fn timeline(page: &Page<'_>) -> Markup {
     if first(page).stations.is_empty() {
         return html! {};
     }
+    let later = page.recorder.states_end.and_then(|end| {
+        let node = first(page).stations.first()?.node;
+        let (_, width) = page.recorder.later_states(node)?;
+        let end = Moments::of(page.line).instant(end);
+        Some((end, duration_in_units(width)))
+    });
     let has_refusals = page.recorder.refusals.iter().any(|times| !times.is_empty());
     let inside = html! {
         p { "Drag to move, turn the wheel or press + and − to zoom, 0 to see all. A click sets the time of the picture above. Where states are too short to be seen, the height of each colour is its share." }
+        @if let Some((end, width)) = later {
+            p { "From " (end) " on, there were too many changes: the rows show the shares of the states in each " (width) "." }
+        }
         div.controls role="group" aria-label="Zoom" {
             button #zoom-in type="button" { "Zoom in" }
             button #zoom-out type="button" { "Zoom out" }
