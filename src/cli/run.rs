@@ -22,11 +22,11 @@ use crate::engine::synthesis::Synthesis;
 use crate::engine::{lines, machines};
 use crate::event_log::Epoch;
 use crate::line::batches::{MAX_BATCHES, MIN_BATCHES};
-use crate::line::comparison::compare;
+use crate::line::comparison::{Comparison, compare};
 use crate::line::log::Observers;
 use crate::line::{Count, Observer, Options};
 use crate::report::html::run::Recorder;
-use crate::report::{self, Intervals};
+use crate::report::{self, Intervals, Variant};
 use clap::Args;
 use progress::RunProgress;
 use std::collections::BTreeMap;
@@ -74,7 +74,8 @@ stood in the file. A number of a machine is set for one station only. A wrong na
         value_name = "NAME=VALUE",
         long_help = "Run the line, and a variant of it under the same random seeds, and print the difference of each measure with its paired 95 % \
 confidence interval. NAME=VALUE is a number as in --set, or a station and how many percent faster it works: capper=10% divides its times of work by \
-1.1, and capper=-10% by 0.9. All that are given make one variant. The default for --replications is then 10"
+1.1, and capper=-10% by 0.9. All that are given make one variant, unless they begin with the names of several: --what-if 'fast: capper=10%' --what-if \
+'slow: capper=-10%'. The default for --replications is then 10"
     )]
     pub what_if: Vec<Setting>,
     /// Random seed
@@ -181,6 +182,24 @@ struct Simulated {
     page_file: Option<PageFile>,
 }
 
+/// A variant, its runs, and how they differ from those of the line.
+struct Compared {
+    variant: Variant,
+    simulated: Simulated,
+    differences: Vec<Comparison>,
+}
+
+impl Compared {
+    /// The part of the document about it.
+    fn json(&self) -> serde_json::Result<serde_json::Value> {
+        let mut what_if = report::what_if_json(&self.variant, &self.differences);
+        let sources = &self.simulated.loaded.library.sources;
+        let findings = json::findings(sources, &self.simulated.findings);
+        what_if["findings"] = serde_json::to_value(findings)?;
+        Ok(what_if)
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
@@ -190,11 +209,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let mut code = options.exit_code(&base.findings);
-    let compared = if arguments.what_if.is_empty() {
-        None
-    } else {
-        let changes = Changes::new(&arguments.what_if, &arguments.set, &base.line);
-        let changes = changes.map_err(anyhow::Error::msg)?;
+    let variants = Changes::variants(&arguments.what_if, &arguments.set, &base.line);
+    let mut compared: Vec<Compared> = Vec::new();
+    for changes in variants.map_err(anyhow::Error::msg)? {
         let variant = SimulationOptions {
             find_warm_up: false,
             replications: Count::Fixed(base.run.traces.len() as u64),
@@ -211,12 +228,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         match simulate(arguments, &changes.set, &variant, false, options)? {
             Ok(simulated) => {
                 code = code.and(options.exit_code(&simulated.findings));
-                let differences = compare(&base.run.traces, &simulated.run.traces);
-                Some((changes.variant, simulated, differences))
+                compared.push(Compared {
+                    variant: changes.variant,
+                    differences: compare(&base.run.traces, &simulated.run.traces),
+                    simulated,
+                });
             }
             Err(code) => return Ok(code),
         }
-    };
+    }
     let set = settings_by_name(&arguments.set);
     let page_file = base.page_file.take();
     let Simulated {
@@ -239,12 +259,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             if !set.is_empty() {
                 document["set"] = serde_json::to_value(&set)?;
             }
-            if let Some((variant, simulated, differences)) = &compared {
-                let mut what_if = report::what_if_json(variant, differences);
-                let sources = &simulated.loaded.library.sources;
-                what_if["findings"] =
-                    serde_json::to_value(json::findings(sources, &simulated.findings))?;
-                document["what_if"] = what_if;
+            let what_if = compared.iter().map(Compared::json);
+            let mut what_if = what_if.collect::<Result<Vec<_>, _>>()?;
+            if what_if.len() > 1 {
+                document["variants"] = what_if.clone().into();
+            }
+            if !what_if.is_empty() {
+                document["what_if"] = what_if.swap_remove(0);
             }
             console.document(&document)?;
         }
@@ -254,21 +275,26 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             if options.verbose {
                 text += &report::waits(trace);
             }
-            if let Some((variant, _, differences)) = &compared {
-                text += &report::what_if_table(variant, differences);
+            for of in &compared {
+                text += &report::what_if_table(&of.variant, &of.differences);
             }
             console.result(&text)?;
             console.findings(sources, findings)?;
-            if let Some((_, simulated, _)) = &compared
-                && !simulated.findings.is_empty()
+            for of in compared
+                .iter()
+                .filter(|of| !of.simulated.findings.is_empty())
             {
-                console.remark("with --what-if:\n")?;
-                console.findings(&simulated.loaded.library.sources, &simulated.findings)?;
+                console.remark(&match of.variant.name.as_str() {
+                    "" => "with --what-if:\n".to_owned(),
+                    name => format!("with --what-if {name}:\n"),
+                })?;
+                let sources = &of.simulated.loaded.library.sources;
+                console.findings(sources, &of.simulated.findings)?;
             }
         }
     }
     if let Some(file) = page_file
-        && let Some(text) = page::page(arguments, &base, several, compared.as_ref())
+        && let Some(text) = page::page(arguments, &base, several, &compared)
     {
         code = code.and(file.write(&text, console, sources)?);
     }

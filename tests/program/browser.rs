@@ -43,10 +43,16 @@ fn reports_can_be_read_and_used_in_a_browser() {
     let folder = sandbox.path();
     let refused = root().join("tests/program/cli/refused_and_large.lw");
     std::fs::copy(refused, folder.join("refused.lw")).expect("a copy");
+    let dated = std::fs::read_to_string(root().join("examples/bottling/line.lw"));
+    let dated = dated
+        .expect("a line")
+        .replace("    limit 7 d", "    start 2026-11-30\n    limit 7 d");
+    std::fs::write(folder.join("dated.lw"), dated).expect("a line");
     let (laboratory, bottling) = ("examples/ice-lab/line.lw", "examples/bottling/line.lw");
     let pages = [
         report(folder, "laboratory", &[laboratory, "--parts", "50"]),
         report(folder, "day", &[bottling, "--until", "1d"]),
+        report(folder, "dates", &["dated.lw"]),
         report(folder, "violations", &["refused.lw", "--until", "1h"]),
         report(
             folder,
@@ -65,6 +71,21 @@ fn reports_can_be_read_and_used_in_a_browser() {
             folder,
             "comparison",
             &[laboratory, "--parts", "20", "--what-if", "printer=10%"],
+        ),
+        report(
+            folder,
+            "variants",
+            &[
+                bottling,
+                "--until",
+                "10h",
+                "--replications",
+                "3",
+                "--what-if",
+                "fast: filler=10%",
+                "--what-if",
+                "large: infeed.capacity=80",
+            ],
         ),
         report(
             folder,

@@ -399,11 +399,18 @@ fn the_timing_diagram_of_the_guide_is_up_to_date() {
     compare_picture("turn-play.svg", &drawing);
 }
 
-/// The pictures of the guide are those of the commands beside them (`INSTA_UPDATE=always` writes
-/// them anew).
+/// The pictures of the guide and of the README are those of the commands beside them
+/// (`INSTA_UPDATE=always` writes them anew).
 #[test]
 fn the_pictures_of_the_guide_are_up_to_date() {
-    let page = support::root().join("docs/guide/drawings.md");
+    let of_guide = compare_pictures("docs/guide/drawings.md", "../images/");
+    assert!(of_guide >= 7, "{of_guide}");
+    assert_eq!(compare_pictures("README.md", "docs/images/"), 1);
+}
+
+/// Compares the pictures of a page, in a folder that is given relative to it. Returns their number.
+fn compare_pictures(page: &str, folder: &str) -> usize {
+    let page = support::root().join(page);
     let page = std::fs::read_to_string(page).expect("the page");
     let commands = page
         .lines()
@@ -417,8 +424,8 @@ fn the_pictures_of_the_guide_are_up_to_date() {
         let output = support::linewright(support::root(), &arguments);
         assert!(output.status.success(), "{command}");
         compare_picture(image, &output.stdout);
-        assert!(page.contains(&format!("](../images/{image})")), "{image}");
+        assert!(page.contains(&format!("]({folder}{image})")), "{image}");
         count += 1;
     }
-    assert!(count >= 7, "{count}");
+    count
 }

@@ -40,6 +40,7 @@ const COMMANDS: &[&str] = &[
     "run examples/loader/line.lw --until 1h --no-timing --out built",
     "run examples/loader/line.lw --until 1h --replications 3 --out built",
     "run examples/loader/line.lw --until 4h --batches 10 --out built",
+    "run examples/loader/line.lw --until 1h --replications 2 --what-if fast:loader=10% --what-if slow:loader=-10% --out built",
     "run examples/transfer/cell.lw --parts 2 --out built",
     "run cases/line/blocked.lw --parts 2 --out built",
     "run cases/cli/type.lw",
@@ -115,13 +116,15 @@ const FILES: &[(&str, &str)] = &[
 ];
 
 /// Fields whose objects have names of the user as keys.
-const BY_NAME: [&str; 8] = [
+const BY_NAME: [&str; 10] = [
     "cubes",
     "machine",
     "next",
     "output",
     "plant",
+    "set",
     "situation",
+    "speeds",
     "steps",
     "units",
 ];

@@ -1,6 +1,6 @@
 //! The drawing of a line: its places, and its routes with what decides between them.
 
-use crate::trace::duration;
+use crate::trace::duration_in_units;
 use linewright_core::drawing::{BoxStyle, Edge, Graph, svg};
 use linewright_core::source::SourceMap;
 use linewright_language::contract::MAX_SECONDS;
@@ -56,7 +56,7 @@ fn described(line: &Line, name: &str, kind: &NodeKind) -> Vec<String> {
     let mut label = vec![name.to_owned()];
     match kind {
         NodeKind::Source { part, supply, most } => {
-            label.push(format!("source of {}", line.parts[*part].name));
+            label.push(format!("{} of {}", kind.word(), line.parts[*part].name));
             label.push(match supply {
                 Supply::Every { interval, .. } if interval.is_zero() => "never empty".to_owned(),
                 Supply::Every { interval, .. } => format!("every {}", time(interval)),
@@ -68,43 +68,36 @@ fn described(line: &Line, name: &str, kind: &NodeKind) -> Vec<String> {
             });
             label.extend(most.map(|most| format!("at most {most} in the line")));
         }
-        NodeKind::Sink { reject, reorder } => {
-            label.push(if *reject { "sink for rejects" } else { "sink" }.to_owned());
+        NodeKind::Sink { reorder, .. } => {
+            label.push(kind.description());
             label
                 .extend(reorder.map(|source| format!("reorders from {}", line.nodes[source].name)));
         }
-        NodeKind::Store { .. } => label.push("store".to_owned()),
         NodeKind::Station(station) => match &station.machine {
             Some(machine) => label.push(format!("machine {}", machine.name)),
-            None => label.push(work(station)),
+            None => label.push(work(station).unwrap_or_else(|| kind.description())),
         },
-        NodeKind::Conveyor { places, belt, .. } => {
-            label.push(format!("conveyor, {}", counted(*places)));
+        NodeKind::Conveyor { belt, .. } => {
+            label.push(kind.description());
             label.extend(
                 belt.as_ref()
                     .map(|belt| format!("machine {}", belt.machine.name)),
             );
         }
-        NodeKind::Buffer { capacity, .. } => label.push(format!("buffer, {}", counted(*capacity))),
+        NodeKind::Store { .. } | NodeKind::Buffer { .. } => label.push(kind.description()),
     }
     label
 }
 
-fn counted(places: u32) -> String {
-    match places {
-        1 => "1 place".to_owned(),
-        more => format!("{more} places"),
-    }
-}
-
-/// How long the work of a station without a machine takes.
-fn work(station: &Station) -> String {
+/// How long the work of a station without a machine takes; `None` if no time is given.
+fn work(station: &Station) -> Option<String> {
     let mut times = station.tasks.iter().filter_map(|task| task.time.as_ref());
-    match times.next() {
-        None => "station".to_owned(),
-        Some(first) if times.all(|other| other == first) => format!("takes {}", time(first)),
-        Some(_) => "time by part type".to_owned(),
-    }
+    let first = times.next()?;
+    Some(if times.all(|other| other == first) {
+        format!("takes {}", time(first))
+    } else {
+        "time by part type".to_owned()
+    })
 }
 
 /// A duration in a few words.
@@ -119,9 +112,13 @@ fn time(distribution: &Distribution) -> String {
         _ => None,
     };
     match mean {
-        _ if least >= greatest => duration(least),
-        _ if greatest < MAX_SECONDS => format!("{} to {}", duration(least), duration(greatest)),
-        Some(mean) => format!("{} on average", duration(mean)),
+        _ if least >= greatest => duration_in_units(least),
+        _ if greatest < MAX_SECONDS => format!(
+            "{} to {}",
+            duration_in_units(least),
+            duration_in_units(greatest)
+        ),
+        Some(mean) => format!("{} on average", duration_in_units(mean)),
         None => "a random time".to_owned(),
     }
 }

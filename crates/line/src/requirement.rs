@@ -473,6 +473,16 @@ fn bottleneck(line: &Line, bottleneck: &Bottleneck) -> Option<String> {
             "The bottleneck of {} was {}",
             line.name, station.name
         )),
+        Bottleneck::Source {
+            names,
+            busiest: Some(station),
+            parts_wait: true,
+        } => Some(format!(
+            "{} of {} waited for parts of {}",
+            station.name,
+            line.name,
+            names.join(" and ")
+        )),
         Bottleneck::Source { names, .. } => Some(format!(
             "The line took in all that {} brought",
             names.join(" and ")

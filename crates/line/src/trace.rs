@@ -59,6 +59,8 @@ pub struct Trace {
     pub rejects: Vec<Reject>,
     /// First-pass yield and scrap of the line.
     pub yields: Yields,
+    /// The same by the type of the part that left the line, in line order.
+    pub yields_by_type: Vec<Yields>,
     /// The first [`MAX_VIOLATIONS`] violations, in time order.
     pub violations: Vec<Violation>,
     /// Total number of violations.
@@ -346,18 +348,30 @@ pub struct MachineStatistics {
 
 /// Parts that left the line good at the first pass, and as scrap: those that finished, and those
 /// that were rejected after a station had worked on them. A joined part counts as the single parts
-/// in it.
+/// in it on which a station had worked before they were joined, so that parts that are only bought
+/// and joined to others do not count; it counts as one if there are none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Yields {
-    /// Number of single parts that finished.
+    /// Number of single parts that finished after a station had worked on them.
     pub finished: u64,
     /// Number of `finished` parts on which no station worked twice.
     pub first_pass: u64,
-    /// Number of single parts that were rejected after a station had worked on them.
+    /// Number of single parts that were rejected after a station had worked on them, that a failure
+    /// scrapped, or that expired.
     pub scrapped: u64,
 }
 
 impl Yields {
+    /// The sum of the counts.
+    pub(crate) fn sum(all: &[Self]) -> Self {
+        let of = |count: fn(&Self) -> u64| all.iter().map(count).sum();
+        Self {
+            finished: of(|yields| yields.finished),
+            first_pass: of(|yields| yields.first_pass),
+            scrapped: of(|yields| yields.scrapped),
+        }
+    }
+
     /// The share of the parts that finished at the first pass; `None` without parts.
     pub fn first_pass_yield(&self) -> Option<f64> {
         self.share(self.first_pass)
@@ -424,13 +438,46 @@ impl RequirementResult {
     }
 }
 
-/// Formats a duration: below a minute with three significant digits (`2.4 s`, `9 ms`), otherwise as
-/// hours, minutes and seconds (`1:05:09`).
+/// Formats a duration for a table: below a minute with three significant digits (`2.4 s`, `9 ms`),
+/// otherwise as hours, minutes and seconds (`1:05:09`).
 pub fn duration(seconds: f64) -> String {
-    let seconds = seconds.max(0.0);
-    if seconds >= 59.95 {
-        return clock(seconds);
+    if seconds < LEAST_CLOCK {
+        below_a_minute(seconds)
+    } else {
+        clock(seconds)
     }
+}
+
+/// Formats a duration for a text: below a minute like [`duration`], otherwise with at most three
+/// units (`6 min 28 s`, `1 h 5 min 9 s`, `2 d 3 h`).
+pub fn duration_in_units(seconds: f64) -> String {
+    if seconds < LEAST_CLOCK {
+        return below_a_minute(seconds);
+    }
+    // From a day on, seconds do not matter.
+    let whole = if seconds < 86_400.0 {
+        seconds.round() as u64
+    } else {
+        (seconds / 60.0).round() as u64 * 60
+    };
+    let units = [
+        (whole / 86_400, "d"),
+        (whole / 3600 % 24, "h"),
+        (whole / 60 % 60, "min"),
+        (whole % 60, "s"),
+    ];
+    let units = units.into_iter().filter(|(count, _)| *count > 0);
+    let units: Vec<String> = units
+        .map(|(count, unit)| format!("{count} {unit}"))
+        .collect();
+    units.join(" ")
+}
+
+/// Seconds from which on a duration has minutes: less is shown as `59.9 s` or less.
+const LEAST_CLOCK: f64 = 59.95;
+
+fn below_a_minute(seconds: f64) -> String {
+    let seconds = seconds.max(0.0);
     let (value, unit) = if seconds > 0.0 && seconds < 0.0995 {
         (seconds * 1000.0, "ms")
     } else {
@@ -480,6 +527,24 @@ mod tests {
             (3909.0, "1:05:09"),
         ] {
             assert_eq!(duration(seconds), wanted);
+        }
+    }
+
+    #[test]
+    fn durations_in_texts_have_units() {
+        for (seconds, wanted) in [
+            (0.0, "0 s"),
+            (0.25, "0.25 s"),
+            (59.94, "59.9 s"),
+            (59.96, "1 min"),
+            (388.4, "6 min 28 s"),
+            (3600.0, "1 h"),
+            (3909.0, "1 h 5 min 9 s"),
+            (86_399.7, "1 d"),
+            (97_229.0, "1 d 3 h"),
+            (400_000.0, "4 d 15 h 7 min"),
+        ] {
+            assert_eq!(duration_in_units(seconds), wanted);
         }
     }
 }

@@ -133,12 +133,7 @@ impl Observer for EventLog<'_> {
 fn kind_word(kind: &linewright_language::contract::line::NodeKind) -> &'static str {
     use linewright_language::contract::line::NodeKind;
     match kind {
-        NodeKind::Source { .. } => "source",
         NodeKind::Sink { reject: true, .. } => "rejects",
-        NodeKind::Sink { .. } => "sink",
-        NodeKind::Store { .. } => "store",
-        NodeKind::Station(_) => "station",
-        NodeKind::Conveyor { .. } => "conveyor",
-        NodeKind::Buffer { .. } => "buffer",
+        kind => kind.word(),
     }
 }

@@ -461,15 +461,22 @@ fn requirements_of_all(out: &mut String, line: &Line, requirements: &[Replicated
 }
 
 /// Returns the condition of requirement number `index` of the line, such as `products >= 5`.
-pub(super) fn required(line: &Line, index: usize) -> String {
+fn required(line: &Line, index: usize) -> String {
+    required_with(line, index, |bound| bound.to_string())
+}
+
+/// Returns the condition of requirement number `index` of the line, with its bound in the format of
+/// `number`.
+pub(super) fn required_with(line: &Line, index: usize, number: impl Fn(f64) -> String) -> String {
     line.requirements.get(index).map_or(String::new(), |r| {
         // Computed bounds are rounded, such as the third of an hour's parts.
         let rounded = (r.bound * 1000.0).round() / 1000.0;
         let bound = if rounded == 0.0 { r.bound } else { rounded };
         format!(
-            "{} {} {bound}",
+            "{} {} {}",
             line.label_of(&r.metric),
-            sign(r.comparison)
+            sign(r.comparison),
+            number(bound)
         )
     })
 }
@@ -550,34 +557,49 @@ fn kwh(joules: f64) -> String {
 
 /// Names what limits the throughput, with the evidence.
 pub(super) fn bottleneck(bottleneck: &Bottleneck) -> String {
+    // They differ if the station is off shift for a while.
+    let time_of = |station: &Candidate| {
+        if (station.engaged_on_shift - station.engaged).abs() > 1e-9 {
+            "its time on shift"
+        } else {
+            "the time"
+        }
+    };
     let engaged = |station: &Candidate| {
-        // They differ if the station is off shift for a while.
-        let on_shift = (station.engaged_on_shift - station.engaged).abs() > 1e-9;
         format!(
             "{} (busy, set up or failed {:.1} % of {})",
             station.name,
             station.engaged_on_shift * 100.0,
-            if on_shift {
-                "its time on shift"
-            } else {
-                "the time"
-            }
+            time_of(station)
         )
     };
     match bottleneck {
         Bottleneck::Nothing => "none".to_owned(),
         Bottleneck::Station(station) => engaged(station),
-        Bottleneck::Source { names, busiest } => {
+        Bottleneck::Source {
+            names,
+            busiest,
+            parts_wait,
+        } => {
             let word = if names.len() == 1 {
                 "source"
             } else {
                 "sources"
             };
             let sources = names.join(" and ");
-            let busiest = busiest.as_ref().map_or(String::new(), |station| {
-                format!("; busiest: {}", engaged(station))
-            });
-            format!("{word} {sources}, where parts do not wait{busiest}")
+            match busiest {
+                Some(station) if *parts_wait => format!(
+                    "{word} {sources}: {} is starved {:.1} % of {}",
+                    station.name,
+                    station.starved_on_shift * 100.0,
+                    time_of(station)
+                ),
+                Some(station) => format!(
+                    "{word} {sources}, where parts do not wait; busiest: {}",
+                    engaged(station)
+                ),
+                None => format!("{word} {sources}, where parts do not wait"),
+            }
         }
         Bottleneck::Undecided(stations) => {
             let stations: Vec<String> = stations.iter().map(engaged).collect();

@@ -11,15 +11,31 @@ use std::fmt::Write as _;
 /// What differs in the variant.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Variant {
+    /// Name, if there are several variants; empty otherwise.
+    pub name: String,
     /// Numbers that are set, by name.
     pub set: BTreeMap<String, String>,
     /// Stations that work faster: 1.1 for 10 % faster, less than 1 for slower.
     pub speeds: BTreeMap<String, f64>,
 }
 
+impl Variant {
+    /// What it is called in a table.
+    pub fn label(&self) -> &str {
+        if self.name.is_empty() {
+            "what if"
+        } else {
+            &self.name
+        }
+    }
+}
+
 /// Returns the changes and the differences as text that ends with a line break.
 pub fn what_if_table(variant: &Variant, comparisons: &[Comparison]) -> String {
     let mut out = String::from("\n");
+    if !variant.name.is_empty() {
+        let _ = writeln!(out, "  {:<12} {}", "variant", variant.name);
+    }
     for (name, value) in &variant.set {
         let _ = writeln!(out, "  {:<12} {name} = {value}", "what if");
     }
@@ -42,7 +58,7 @@ pub fn what_if_table(variant: &Variant, comparisons: &[Comparison]) -> String {
         &[
             &title,
             "as it is",
-            "what if",
+            variant.label(),
             "difference",
             "from",
             "to",
@@ -95,10 +111,14 @@ pub fn what_if_json(variant: &Variant, comparisons: &[Comparison]) -> Value {
             })
         })
         .collect();
-    json!({
+    let mut document = json!({
         "set": variant.set,
         "speeds": variant.speeds,
         "confidence": 0.95,
         "measures": measures,
-    })
+    });
+    if !variant.name.is_empty() {
+        document["name"] = json!(variant.name);
+    }
+    document
 }

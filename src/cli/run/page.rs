@@ -1,10 +1,9 @@
 //! `--report`: a run as a page.
 
-use super::{Arguments, Simulated};
+use super::{Arguments, Compared, Simulated};
 use crate::cli::page::{command, origin};
-use crate::line::comparison::Comparison;
-use crate::report::html::run::{self, Compared, Page};
-use crate::report::{Intervals, Variant};
+use crate::report::Intervals;
+use crate::report::html::run::{self, Page};
 use std::collections::BTreeMap;
 
 /// Returns the page of a run that was recorded.
@@ -12,21 +11,22 @@ pub(super) fn page(
     arguments: &Arguments,
     base: &Simulated,
     intervals: Option<Intervals<'_>>,
-    compared: Option<&(Variant, Simulated, Vec<Comparison>)>,
+    compared: &[Compared],
 ) -> Option<String> {
     let recorder = base.recorder.as_ref()?;
     let set: BTreeMap<&str, &str> = super::settings_by_name(&arguments.set);
-    let comparison = compared.map(|(variant, simulated, comparisons)| Compared {
-        variant,
-        traces: &simulated.run.traces,
-        comparisons,
+    let comparisons = compared.iter().map(|of| run::Compared {
+        variant: &of.variant,
+        traces: &of.simulated.run.traces,
+        comparisons: &of.differences,
     });
+    let comparisons: Vec<run::Compared<'_>> = comparisons.collect();
     Some(run::page(&Page {
         line: &base.line,
         traces: &base.run.traces,
         intervals,
         recorder,
-        comparison,
+        comparisons: &comparisons,
         set: &set,
         origin: origin(&command(), &base.loaded.library.sources, &base.findings),
     }))

@@ -21,13 +21,53 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// Reads the options. `NAME=10%` with the name of a station makes it 10 % faster; everything
-    /// else is set as by `--set`, and replaces a number that `--set` has set by the same name.
+    /// Reads the options of all variants, in the order in which they are first named: those that
+    /// begin with the same name, as in `fast: press=10%`, make one, and so do those without a name.
+    ///
+    /// # Errors
+    /// Returns a message as [`Changes::new`] does, or if a name is empty.
+    pub fn variants(
+        what_if: &[Setting],
+        set: &[Setting],
+        line: &Line,
+    ) -> Result<Vec<Self>, String> {
+        let mut named: Vec<(String, Vec<Setting>)> = Vec::new();
+        for change in what_if {
+            let (variant, change) = change.split_variant();
+            let name = variant.unwrap_or_default();
+            if variant.is_some_and(str::is_empty) || change.name().is_empty() {
+                return Err(format!(
+                    "`{}={}`: write the name of a variant, `:` and a number, such as `fast: capper.takes='2 s'`",
+                    change.name(),
+                    change.value()
+                ));
+            }
+            match named.iter_mut().find(|(known, _)| known == name) {
+                Some((_, changes)) => changes.push(change),
+                None => named.push((name.to_owned(), vec![change])),
+            }
+        }
+        let are_several = named.len() > 1;
+        let variants = named.into_iter().map(|(name, what_if)| {
+            let mut changes = Self::new(&what_if, set, line)?;
+            changes.variant.name = if name.is_empty() && are_several {
+                "what if".to_owned()
+            } else {
+                name
+            };
+            Ok(changes)
+        });
+        variants.collect()
+    }
+
+    /// Reads the options of one variant. `NAME=10%` with the name of a station makes it 10 %
+    /// faster; everything else is set as by `--set`, and replaces a number that `--set` has set by
+    /// the same name.
     ///
     /// # Errors
     /// Returns a message if a percentage is not greater than -100 %, or has no `%`, or if a station
     /// has two.
-    pub fn new(what_if: &[Setting], set: &[Setting], line: &Line) -> Result<Self, String> {
+    fn new(what_if: &[Setting], set: &[Setting], line: &Line) -> Result<Self, String> {
         let mut changes = Self::default();
         let mut numbers = Vec::new();
         for change in what_if {

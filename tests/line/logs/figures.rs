@@ -52,7 +52,25 @@ struct Part {
     visits: BTreeSet<String>,
     reworked: bool,
     reworked_inside: u64,
+    is_worked: bool,
+    worked_inside: u64,
     in_setup: bool,
+}
+
+impl Part {
+    /// Number of single parts in it on which a station has worked.
+    fn worked(&self) -> u64 {
+        self.worked_inside.max(u64::from(self.is_worked))
+    }
+
+    /// Number of those on which a station has worked twice.
+    fn reworked(&self) -> u64 {
+        if self.reworked {
+            self.worked()
+        } else {
+            self.reworked_inside
+        }
+    }
 }
 
 /// What the rows say about a node.
@@ -101,17 +119,6 @@ struct Figures<'a> {
     start: f64,
     end: f64,
     worked: Option<f64>,
-}
-
-fn single_parts(line: &Line, kind: usize) -> u64 {
-    let bill = &line.parts[kind].bill;
-    if bill.is_empty() {
-        return 1;
-    }
-    let parts = bill.iter();
-    parts
-        .map(|(part, count)| single_parts(line, *part) * u64::from(*count))
-        .sum()
 }
 
 impl<'a> Figures<'a> {
@@ -210,6 +217,7 @@ impl<'a> Figures<'a> {
             }
             "ended" => {
                 account.ended += 1;
+                self.parts.get_mut(&number).unwrap().is_worked = true;
                 account.work += row.seconds.unwrap();
                 account.control += row.control_seconds.unwrap_or(0.0);
             }
@@ -229,7 +237,7 @@ impl<'a> Figures<'a> {
                 self.rejects.entry(kind.unwrap()).or_default().0 += 1;
                 self.wip.set(time, self.wip.count - 1.0, -1.0);
                 if !row.other.is_empty() {
-                    self.scrapped += single_parts(self.line, kind.unwrap());
+                    self.scrapped += self.parts[&number].worked().max(1);
                     self.accounts[node(self.line, &row.other)].charged += 1;
                 }
             }
@@ -246,16 +254,12 @@ impl<'a> Figures<'a> {
         let components = components.iter().map(|part| &self.parts[part]);
         let entered_at = components.clone().map(|part| part.entered_at);
         let entered_at = entered_at.fold(time, f64::min);
-        let reworked = components.map(|part| {
-            if part.reworked {
-                single_parts(self.line, part.kind)
-            } else {
-                part.reworked_inside
-            }
-        });
+        let worked = components.clone().map(Part::worked);
+        let reworked = components.map(Part::reworked);
         let part = Part {
             kind,
             entered_at,
+            worked_inside: worked.sum(),
             reworked_inside: reworked.sum(),
             ..Part::default()
         };
@@ -274,14 +278,8 @@ impl<'a> Figures<'a> {
         let part = &self.parts[&number];
         self.finished += 1;
         self.wip.set(time, self.wip.count - 1.0, -1.0);
-        let single = single_parts(self.line, part.kind);
-        self.finished_single += single;
-        let reworked = if part.reworked {
-            single
-        } else {
-            part.reworked_inside
-        };
-        self.first_pass += single - reworked.min(single);
+        self.finished_single += part.worked();
+        self.first_pass += part.worked().saturating_sub(part.reworked());
         if self.line.is_product(part.kind) {
             self.leads.push((part.kind, time - part.entered_at));
             self.makespan = time;

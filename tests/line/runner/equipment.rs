@@ -157,6 +157,41 @@ fn lost_orders_are_not_scrap() {
     assert_eq!(trace.yields.first_pass_yield(), Some(1.0));
 }
 
+/// Parts that are bought and only joined to others do not count, though the joined part is worked
+/// on: one toy in two has a cap that was turned twice.
+#[test]
+fn parts_that_no_station_worked_on_do_not_raise_the_first_pass_yield() {
+    let text = "line L {
+        part Cap { property rough: bool = false }
+        part Screw
+        part Toy from 1 Cap, 8 Screw
+        source caps: Cap every 0 s, at most 2 in the line
+        source screws: Screw every 0 s, at most 20 in the line
+        station lathe {
+            takes 1 s
+            sets rough = false on Cap
+            defect on Cap probability 50 %: rough becomes true
+        }
+        station join { takes 1 s }
+        sink out
+        buffer again capacity 2
+        route Cap: caps -> lathe
+        route Cap: lathe -> again -> lathe when rough
+        route Cap: lathe -> join otherwise
+        route Screw: screws -> join
+        route Toy: join -> out
+    }";
+    let options = Options {
+        parts: Some(4_000),
+        ..Options::default()
+    };
+    let trace = run(text, options);
+    assert_eq!(trace.yields.finished, 4_000);
+    let first_pass = trace.yields.first_pass_yield().unwrap();
+    assert!((first_pass - 0.5).abs() < 0.03, "{first_pass}");
+    assert_eq!(trace.yields_by_type[2], trace.yields);
+}
+
 /// At each pass, a part is scrapped with probability 0.1; of the others, 30 % are worked on again.
 /// The first-pass yield is 0.9 * 0.7, and of all parts 0.1 / (1 - 0.9 * 0.3) are scrapped. With
 /// 100 000 parts, the standard errors are 0.0016 and 0.0011.

@@ -71,7 +71,7 @@ fn as_text() {
     energy       0.003 kWh
     parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line
     rejected     1 Printed (1 ordered again), 1 Product (1 ordered again)
-    quality      first-pass yield 94.7 %, scrap 5.3 %
+    quality      first-pass yield 85.7 %, scrap 14.3 %
     violations   1
                  0:02:26 assembly_cell_1, Product 23: turn: gripped
     
@@ -137,8 +137,8 @@ fn as_json() {
           "reordered": 1
         }
       ],
-      "first_pass_yield": 0.947368,
-      "scrap_ratio": 0.052632,
+      "first_pass_yield": 0.857143,
+      "scrap_ratio": 0.142857,
       "throughput_per_hour": 104.854369,
       "throughput_per_hour_on_shift": null,
       "wip": {

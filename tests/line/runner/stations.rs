@@ -258,7 +258,7 @@ fn limit(every: &str, x: &str, y: &str) -> Bottleneck {
 #[test]
 fn what_limits_a_line_may_be_its_source() {
     // The source brings a part in 5 s, though x works four of them.
-    let Bottleneck::Source { names, busiest } = limit("5 s", "4 s", "2 s") else {
+    let Bottleneck::Source { names, busiest, .. } = limit("5 s", "4 s", "2 s") else {
         panic!("not the source");
     };
     let busiest = busiest.unwrap();
@@ -278,6 +278,79 @@ fn what_limits_a_line_may_be_its_source() {
     };
     let names: Vec<&str> = equal.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["x", "y"]);
+}
+
+/// The station that joins is the busiest and waits for the rare part: its source limits the line,
+/// although the other source has to wait.
+#[test]
+fn a_starved_bottleneck_is_limited_by_supply() {
+    let line = |rare: &str| {
+        let text = format!(
+            "line L {{
+                part Cap part Body part Toy from 1 Cap, 1 Body
+                source caps: Cap every {rare}
+                source bodies: Body every 2 s
+                station join {{ takes 3 s }} station pack {{ takes 1 s }}
+                sink out
+                route Cap: caps -> join
+                route Body: bodies -> join
+                route Toy: join -> pack -> out
+            }}"
+        );
+        let options = Options {
+            parts: Some(500),
+            ..Options::default()
+        };
+        plant_of(&text, options).run().bottleneck
+    };
+    let Bottleneck::Source {
+        names,
+        busiest,
+        parts_wait: true,
+    } = line("5 s")
+    else {
+        panic!("not the source");
+    };
+    let busiest = busiest.unwrap();
+    assert_eq!(
+        (names, busiest.name.as_str()),
+        (vec!["caps".to_owned()], "join")
+    );
+    near(busiest.engaged_on_shift, 0.6, 0.01);
+    near(busiest.starved_on_shift, 0.4, 0.01);
+    // With as many caps as it can use, the station limits the line.
+    assert_eq!(line("2 s").station().unwrap().name, "join");
+}
+
+/// Parts wait in the source at night, but by day the station waits for them: more supply would make
+/// more products, and a faster station would not.
+#[test]
+fn a_source_that_waits_at_night_limits_the_day() {
+    let products = |every: &str, takes: &str| {
+        let text = format!(
+            "line L {{
+                part P source a: P every {every}
+                buffer q capacity 10
+                station x {{ takes {takes} }}
+                sink k
+                route P: a -> q -> x -> k
+                shift 6 h to 14 h
+            }}"
+        );
+        let options = Options {
+            until: Some(86_400.0),
+            ..Options::default()
+        };
+        let trace = plant_of(&text, options).run();
+        (trace.products, trace.bottleneck)
+    };
+    let (made, limit) = products("5 s", "4 s");
+    assert!(
+        matches!(&limit, Bottleneck::Source { names, .. } if *names == ["a"]),
+        "{limit:?}"
+    );
+    assert!(products("5 s", "3 s").0 <= made + 1);
+    assert!(products("4.5 s", "4 s").0 > made * 11 / 10);
 }
 
 /// The first station works all of its shift; the second one has more work in a day, but also more

@@ -210,6 +210,49 @@ fn a_variant_is_compared_under_the_same_seeds() {
     assert!(slower["what_if"]["measures"][1]["difference"]["low"].as_f64() > Some(0.0));
 }
 
+/// Variants with names are compared with the line one by one, in the order in which they are named.
+#[test]
+fn several_variants_have_names() {
+    let session = session();
+    let all = "--what-if slow:cell=-10% --what-if fast:cell=10% --what-if slow:cell.takes=0.75s";
+    let of = |rest: &str| session.run(&format!("run md1.lw --until 1000 --replications 3 {rest}"));
+    let printed = of(&format!("{all} --format json"));
+    let document: Value = serde_json::from_str(&printed.out).expect("JSON");
+    let variants = document["variants"].as_array().expect("variants");
+    let names: Vec<&str> = variants.iter().filter_map(|v| v["name"].as_str()).collect();
+    assert_eq!(names, ["slow", "fast"]);
+    assert_eq!(document["what_if"], variants[0]);
+    assert_eq!(variants[0]["speeds"]["cell"], 0.9);
+    assert_eq!(variants[0]["set"]["cell.takes"], "0.75s");
+    // Each is the same as if it were the only one.
+    let alone = of("--what-if cell=10% --format json");
+    let alone: Value = serde_json::from_str(&alone.out).expect("JSON");
+    assert_eq!(variants[1]["measures"], alone["what_if"]["measures"]);
+    assert!(alone["variants"].is_null() && alone["what_if"]["name"].is_null());
+    let text = of(all).out;
+    let slow = text.find("  variant      slow\n").expect("a variant");
+    let fast = text.find("  variant      fast\n").expect("a variant");
+    assert!(slow < fast, "{text}");
+    assert_eq!(text.matches("same seeds, 3 pairs").count(), 2, "{text}");
+    for wrong in ["--what-if :cell=10%", "--what-if fast:=10%"] {
+        let refused = of(wrong);
+        assert_eq!(refused.code, 2, "{wrong}");
+        assert!(
+            refused
+                .err
+                .contains("write the name of a variant, `:` and a number"),
+            "{}",
+            refused.err
+        );
+    }
+    let unknown = of("--what-if fast:cel.takes=1s");
+    assert!(
+        unknown.err.contains("did you mean `cell.takes`"),
+        "{}",
+        unknown.err
+    );
+}
+
 /// What does not change anything has differences of 0, and mistakes are answered.
 #[test]
 fn variants_in_words() {

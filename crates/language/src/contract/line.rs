@@ -193,6 +193,32 @@ pub enum NodeKind {
     },
 }
 
+impl NodeKind {
+    /// The kind of a place in a word, such as `station` or `sink for rejects`.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Source { .. } => "source",
+            Self::Sink { reject: true, .. } => "sink for rejects",
+            Self::Sink { .. } => "sink",
+            Self::Store { .. } => "store",
+            Self::Station(_) => "station",
+            Self::Conveyor { .. } => "conveyor",
+            Self::Buffer { .. } => "buffer",
+        }
+    }
+
+    /// The kind of a place, and how many parts it holds if that is limited: `buffer, 3 places`.
+    pub fn description(&self) -> String {
+        let places = match self {
+            Self::Conveyor { places, .. } => *places,
+            Self::Buffer { capacity, .. } => *capacity,
+            _ => return self.word().to_owned(),
+        };
+        let unit = if places == 1 { "place" } else { "places" };
+        format!("{}, {places} {unit}", self.word())
+    }
+}
+
 /// Which part leaves a buffer first. Of parts that are alike in this, it is the one that came
 /// first.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -26,9 +26,10 @@ impl Run<'_> {
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
         self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;
-        let single = self.setup.single_parts(self.parts[part].kind);
-        self.counters.finished_single += single;
-        self.counters.first_pass += single - self.parts[part].reworked(single).min(single);
+        let (worked, reworked) = (self.parts[part].worked(), self.parts[part].reworked());
+        let yields = &mut self.counters.yields[self.parts[part].kind];
+        yields.finished += worked;
+        yields.first_pass += worked.saturating_sub(reworked);
         self.count_out(self.parts[part].kind);
         if self.line.is_product(self.parts[part].kind) {
             let stored = matches!(self.nodes[node].place, Place::Store(_));
@@ -62,7 +63,7 @@ impl Run<'_> {
     /// Removes a part from the line as scrap that a failure made, or that has expired, and orders
     /// its replacement.
     pub(super) fn scrap(&mut self, node: usize, part: PartIndex) {
-        self.counters.scrapped += self.setup.single_parts(self.parts[part].kind);
+        self.count_scrap(part);
         let replacement = self.replacement(self.parts[part].kind);
         self.discard(node, part, Some(node), replacement);
     }
@@ -98,11 +99,18 @@ impl Run<'_> {
     /// the station that worked on it last. Returns the station. A part that no station has worked
     /// on is not scrap.
     fn charge_scrap(&mut self, part: PartIndex) -> Option<usize> {
-        let part = &self.parts[part];
-        let station = part.defect_at.or(part.worked_at)? as usize;
-        self.counters.scrapped += self.setup.single_parts(part.kind);
+        let rejected = &self.parts[part];
+        let station = rejected.defect_at.or(rejected.worked_at)? as usize;
+        self.count_scrap(part);
         self.station(station).scrapped += 1;
         Some(station)
+    }
+
+    /// Counts the single parts in a part as scrap: those on which a station has worked, or the part
+    /// as one if none has.
+    fn count_scrap(&mut self, part: PartIndex) {
+        let part = &self.parts[part];
+        self.counters.yields[part.kind].scrapped += part.worked().max(1);
     }
 
     /// The source from which a replacement is ordered for a part that was removed before it reached

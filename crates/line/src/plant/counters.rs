@@ -2,6 +2,7 @@
 
 use super::part::Part;
 use crate::statistics::{LeadTimes, Level};
+use crate::trace::Yields;
 use linewright_language::contract::line::Line;
 
 /// Maximum number of observations that are stored to find a warm-up.
@@ -27,12 +28,8 @@ pub(super) struct Counters {
     pub entered: u64,
     /// Number of parts that have left the line as finished.
     pub finished: u64,
-    /// Number of `finished` parts that no station worked on twice.
-    pub first_pass: u64,
-    /// Number of single parts in the parts that have left the line as finished.
-    pub finished_single: u64,
-    /// Number of parts that were rejected after a station had worked on them.
-    pub scrapped: u64,
+    /// By type: single parts in the parts of this type that have left the line.
+    pub yields: Vec<Yields>,
     /// Number of parts that were joined to others.
     pub consumed: u64,
     /// Number of parts that were in the line when counting began.
@@ -64,9 +61,7 @@ impl Counters {
             observations: None,
             entered: 0,
             finished: 0,
-            first_pass: 0,
-            finished_single: 0,
-            scrapped: 0,
+            yields: vec![Yields::default(); types],
             consumed: 0,
             before: 0,
             units: Level::new(u32::MAX),

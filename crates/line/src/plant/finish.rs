@@ -8,7 +8,7 @@ use crate::trace::{
     BufferStatistics, ConveyorStatistics, End, MachineStatistics, PartCounts, ProductStatistics,
     Reject, SourceStatistics, StationStatistics, Trace, WorkInProgress, Yields,
 };
-use linewright_language::contract::line::{Line, NodeKind, Supply};
+use linewright_language::contract::line::NodeKind;
 
 impl Run<'_> {
     pub(super) fn finish(mut self, end: End) -> Trace {
@@ -151,16 +151,13 @@ impl Run<'_> {
                 + stations.iter().map(|s| s.joules).sum::<f64>()
                 + conveyors.iter().map(|c| c.joules).sum::<f64>(),
             machines: machines(&stations, &conveyors),
-            bottleneck: Bottleneck::of(&stations, &sources, all_timed(self.line)),
+            bottleneck: Bottleneck::of(self.line, &stations, &sources),
             sources,
             stations,
             conveyors,
             buffers,
-            yields: Yields {
-                finished: self.counters.finished_single,
-                first_pass: self.counters.first_pass,
-                scrapped: self.counters.scrapped,
-            },
+            yields: Yields::sum(&self.counters.yields),
+            yields_by_type: self.counters.yields,
             rejects: self
                 .counters
                 .rejects
@@ -250,24 +247,4 @@ fn machines(
         }
     }
     machines
-}
-
-/// Whether parts come only from sources that have an interval or the instants of a table, and no
-/// limit of parts in the line.
-fn all_timed(line: &Line) -> bool {
-    line.nodes.iter().all(|node| match &node.kind {
-        NodeKind::Source {
-            supply: Supply::Every { interval, .. },
-            most: None,
-            ..
-        } => !interval.is_zero(),
-        NodeKind::Source {
-            supply: Supply::At { .. },
-            most: None,
-            ..
-        } => true,
-        NodeKind::Source { .. } => false,
-        NodeKind::Store { stock } => stock.is_empty(),
-        _ => true,
-    })
 }

@@ -87,8 +87,6 @@ struct Setup {
     /// Number of parts of type `b` in one part of type `a`, at index `a * types + b`; 1 if `a` is
     /// `b`.
     contents: Vec<u64>,
-    /// By type: number of single parts, those without a bill of materials, in a part.
-    single_parts: Vec<u64>,
     /// By node: the first of the parallel stations that it belongs to, or the node itself.
     first_copy: Vec<u32>,
     /// The sources that stop while a number of parts is in the line.
@@ -284,13 +282,6 @@ impl Plant {
         let ways = Ways::new(&line);
         let store_outlets = flow::store_outlets(&line);
         let contents = part::contents(&line);
-        let types = line.parts.len();
-        let single_parts = (0..types).map(|kind| {
-            let inside = (0..types).filter(|part| line.parts[*part].bill.is_empty());
-            let inside = inside.map(|part| contents[kind * types + part]);
-            inside.fold(0, u64::saturating_add)
-        });
-        let single_parts = single_parts.collect();
         let first_copy = first_copies(&line);
         let is_limited = |node: &usize| {
             let kind = &line.nodes[*node].kind;
@@ -311,7 +302,6 @@ impl Plant {
                 ways,
                 store_outlets,
                 contents,
-                single_parts,
                 first_copy,
                 limited_sources,
                 can_be_down,
@@ -577,11 +567,6 @@ impl<'a> Run<'a> {
 }
 
 impl Setup {
-    /// Number of single parts in a part of this type.
-    fn single_parts(&self, kind: usize) -> u64 {
-        self.single_parts[kind]
-    }
-
     /// Number of parts of a type that are ordered at the start of a run; `None` if there are orders
     /// without end: during the warm-up, and if the products may be of several types.
     fn orders(&self, part: usize) -> Option<u64> {

@@ -23,7 +23,9 @@ pub(super) struct Part {
     pub since: f64,
     /// Whether a station has begun to work on it for the second time.
     reworked: bool,
-    /// Number of single parts in it on which a station had worked twice before they were joined.
+    /// Number of single parts in it on which a station had worked before they were joined, and of
+    /// those of them on which one had worked twice.
+    pub worked_inside: u64,
     pub reworked_inside: u64,
     /// The station, source or store that it has left last.
     pub came_from: Option<u32>,
@@ -64,10 +66,16 @@ impl Part {
         *visits |= bit;
     }
 
-    /// Number of single parts in it on which a station has worked twice, of `single` in all.
-    pub(super) fn reworked(&self, single: u64) -> u64 {
+    /// Number of single parts in it on which a station has worked. A part that was joined from
+    /// parts on which none had worked counts as one.
+    pub(super) fn worked(&self) -> u64 {
+        self.worked_inside.max(u64::from(self.worked_at.is_some()))
+    }
+
+    /// Number of those on which a station has worked twice.
+    pub(super) fn reworked(&self) -> u64 {
         if self.reworked {
-            single
+            self.worked()
         } else {
             self.reworked_inside
         }
@@ -129,6 +137,7 @@ impl Parts {
         part.entered_at = 0.0;
         part.since = 0.0;
         part.reworked = false;
+        part.worked_inside = 0;
         part.reworked_inside = 0;
         part.came_from = None;
         part.worked_at = None;

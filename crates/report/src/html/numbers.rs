@@ -31,6 +31,15 @@ pub(super) fn figure(value: f64) -> String {
     out
 }
 
+/// A number with all of its digits, in groups of three before the point.
+pub(super) fn exact(value: f64) -> String {
+    let text = value.abs().to_string();
+    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+    let sign = if value < 0.0 { "-" } else { "" };
+    let point = if fraction.is_empty() { "" } else { "." };
+    format!("{sign}{}{point}{fraction}", grouped(whole))
+}
+
 /// A count with groups of three digits.
 pub(super) fn count(value: u64) -> String {
     grouped(&value.to_string())
@@ -67,39 +76,60 @@ pub(super) fn marks(max: f64, count: usize) -> Vec<f64> {
     multiples(step, max)
 }
 
+/// Round times in seconds, from a second to two weeks.
+const ROUND_TIMES: [f64; 22] = [
+    1.0,
+    2.0,
+    5.0,
+    10.0,
+    15.0,
+    30.0,
+    60.0,
+    120.0,
+    300.0,
+    600.0,
+    900.0,
+    1800.0,
+    3600.0,
+    7200.0,
+    10_800.0,
+    14_400.0,
+    21_600.0,
+    43_200.0,
+    86_400.0,
+    172_800.0,
+    604_800.0,
+    1_209_600.0,
+];
+
+/// The least round time in seconds that is at least `seconds` and a multiple of `unit`: 1, 2 or 5
+/// times a power of ten below a minute, and parts of an hour, a day or a fortnight above. Beyond
+/// that, all multiples are round.
+pub(super) fn round_time(seconds: f64, unit: f64) -> f64 {
+    const WEEK: f64 = 604_800.0;
+    let least = seconds.max(unit) * 0.999_999;
+    let is_multiple = |time: f64| {
+        let count = time / unit;
+        count > 0.5 && (count - count.round()).abs() < 1e-9 * count.max(1000.0)
+    };
+    let short = (-6..0).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(power)));
+    let mut times = short.chain(ROUND_TIMES);
+    let found = times.find(|time| *time >= least && is_multiple(*time));
+    found.unwrap_or_else(|| {
+        let step = if is_multiple(WEEK) { WEEK } else { unit };
+        (least / step).ceil() * step
+    })
+}
+
+/// Round marks of time from 0 up to `seconds`, some `count` of them, and their distance.
+pub(super) fn instants(seconds: f64, count: usize) -> (Vec<f64>, f64) {
+    let step = round_time(seconds / count.max(1) as f64 * 0.999, 1e-6);
+    (multiples(step, seconds), step)
+}
+
 /// Round marks of time from 0 up to `seconds`, some `count` of them, with their texts.
 pub(super) fn time_marks(seconds: f64, count: usize) -> Vec<(f64, String)> {
-    const STEPS: [f64; 22] = [
-        1.0,
-        2.0,
-        5.0,
-        10.0,
-        15.0,
-        30.0,
-        60.0,
-        120.0,
-        300.0,
-        600.0,
-        900.0,
-        1800.0,
-        3600.0,
-        7200.0,
-        10_800.0,
-        14_400.0,
-        21_600.0,
-        43_200.0,
-        86_400.0,
-        172_800.0,
-        604_800.0,
-        1_209_600.0,
-    ];
-    let raw = seconds / count.max(1) as f64;
-    if raw < 1.0 {
-        let marks = marks(seconds, count).into_iter();
-        return marks.map(|at| (at, format!("{} s", figure(at)))).collect();
-    }
-    let fitting = STEPS.into_iter().find(|step| *step >= raw * 0.999);
-    let step = fitting.unwrap_or_else(|| (raw / 604_800.0).ceil() * 604_800.0);
+    let (marks, step) = instants(seconds, count);
     let (unit, word) = if step >= 86_400.0 {
         (86_400.0, "d")
     } else if step >= 3600.0 {
@@ -109,7 +139,7 @@ pub(super) fn time_marks(seconds: f64, count: usize) -> Vec<(f64, String)> {
     } else {
         (1.0, "s")
     };
-    multiples(step, seconds)
+    marks
         .into_iter()
         .map(|at| (at, format!("{} {word}", figure(at / unit))))
         .collect()
@@ -139,6 +169,9 @@ mod tests {
         ] {
             assert_eq!(figure(value), wanted);
         }
+        assert_eq!(exact(1_632_096.5), "1,632,096.5");
+        assert_eq!(exact(-1000.0), "-1,000");
+        assert_eq!(exact(0.005), "0.005");
     }
 
     #[test]
@@ -158,5 +191,24 @@ mod tests {
             .map(|(_, text)| text)
             .collect();
         assert_eq!(short, ["0 s", "0.5 s", "1 s", "1.5 s", "2 s"]);
+    }
+
+    #[test]
+    fn times_are_round() {
+        for (seconds, unit, wanted) in [
+            (0.003, 1e-6, 0.005),
+            (0.03, 0.01, 0.05),
+            (13.0, 1.0, 15.0),
+            (13.0, 10.0, 30.0),
+            (172.8, 60.0, 300.0),
+            (700.0, 600.0, 1800.0),
+            (4000.0, 3600.0, 7200.0),
+            (90_000.0, 86_400.0, 172_800.0),
+            (1_300_000.0, 86_400.0, 1_814_400.0),
+            (1_300_000.0, 864_000.0, 1_728_000.0),
+        ] {
+            let time = round_time(seconds, unit);
+            assert!((time / wanted - 1.0).abs() < 1e-9, "{seconds}: {time}");
+        }
     }
 }

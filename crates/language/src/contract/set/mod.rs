@@ -51,6 +51,21 @@ impl Setting {
         Self { option, ..self }
     }
 
+    /// The name of a variant that is given before the number, `fast: capper.takes='2 s'`, and the
+    /// setting without it.
+    pub fn split_variant(&self) -> (Option<&str>, Self) {
+        let Some((variant, rest)) = self.text[..self.equals].split_once(':') else {
+            return (None, self.clone());
+        };
+        let text = format!("{rest}{}", &self.text[self.equals..]);
+        let rest = Self {
+            text,
+            equals: rest.len(),
+            option: self.option,
+        };
+        (Some(variant.trim()), rest)
+    }
+
     /// Name of the number: `capper.takes`.
     pub fn name(&self) -> &str {
         self.text[..self.equals].trim()

@@ -117,10 +117,9 @@ impl Run<'_> {
         let entered_at = components()
             .map(|component| self.parts[component].entered_at)
             .fold(self.now, f64::min);
-        let reworked = components().map(|component| {
-            let component = &self.parts[component];
-            component.reworked(self.setup.single_parts(component.kind))
-        });
+        let worked = components().map(|component| self.parts[component].worked());
+        let worked = worked.sum();
+        let reworked = components().map(|component| self.parts[component].reworked());
         let reworked = reworked.sum();
         let joined = Some(Other::Part(self.parts[part].number));
         for component in components() {
@@ -130,6 +129,7 @@ impl Run<'_> {
         }
         self.parts[part].entered_at = entered_at;
         self.parts[part].entered = true;
+        self.parts[part].worked_inside = worked;
         self.parts[part].reworked_inside = reworked;
         self.parts[part].since = self.now;
         self.counters.unit_enters(self.now);

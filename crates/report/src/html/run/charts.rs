@@ -2,8 +2,10 @@
 //!
 //! Colours and patterns are classes of the style sheet, so that they follow the reader's scheme.
 
+use super::moments::Moments;
 use super::series::{Columns, Curve};
-use crate::html::numbers::{count, figure, marks, time_marks};
+use crate::html::numbers::{count, figure, marks};
+use linewright_line::trace::duration_in_units;
 use maud::{Markup, PreEscaped, html};
 use std::fmt::Write as _;
 
@@ -15,8 +17,8 @@ const BOTTOM: f64 = 30.0;
 
 /// A part of a bar.
 pub(super) struct Piece {
-    /// Class of the style sheet that gives its colour and pattern.
-    pub class: &'static str,
+    /// Classes of the style sheet that give its colour and pattern.
+    pub class: String,
     /// Length, in the unit of the bar.
     pub value: f64,
     /// What the tooltip says.
@@ -54,7 +56,7 @@ pub(super) fn bars(label: &str, bars: &[Bar], max: f64) -> Markup {
                 @let y = row as f64 * ROW + 2.0;
                 text.name x=(left - 8.0) y=(y + 16.0) text-anchor="end" { (bar.name) }
                 @for (start, piece) in starts(&bar.pieces) {
-                    rect class=(piece.class) x=(number(left + start * scale)) y=(y) width=(number(piece.value * scale)) height=(ROW - 4.0) {
+                    rect class=(&piece.class) x=(number(left + start * scale)) y=(y) width=(number(piece.value * scale)) height=(ROW - 4.0) {
                         title { (piece.title) }
                     }
                 }
@@ -85,14 +87,25 @@ pub(super) struct TimeAxis {
     end: f64,
     /// End of the warm-up in seconds.
     warm_up: f64,
+    moments: Moments,
 }
 
 impl TimeAxis {
     /// Leaves room on the left for the names of the stations.
-    pub fn new<'a>(names: impl Iterator<Item = &'a str>, end: f64, warm_up: f64) -> Self {
+    pub fn new<'a>(
+        names: impl Iterator<Item = &'a str>,
+        end: f64,
+        warm_up: f64,
+        moments: Moments,
+    ) -> Self {
         let longest = names.map(|name| name.chars().count()).max().unwrap_or(0);
         let left = (longest as f64 * 6.6 + 16.0).clamp(LEFT, 165.0);
-        Self { left, end, warm_up }
+        Self {
+            left,
+            end,
+            warm_up,
+            moments,
+        }
     }
 
     /// Room on the left and on the right, as shares of the width.
@@ -106,6 +119,7 @@ impl TimeAxis {
             height: 170.0,
             seconds: self.end,
             max,
+            moments: self.moments,
         }
     }
 }
@@ -116,6 +130,7 @@ struct Frame {
     height: f64,
     seconds: f64,
     max: f64,
+    moments: Moments,
 }
 
 impl Frame {
@@ -141,8 +156,9 @@ impl Frame {
                     line.grid x1=(left) x2=(WIDTH - RIGHT) y1=(number(self.y(mark))) y2=(number(self.y(mark))) {}
                     text x=(left - 6.0) y=(number(self.y(mark) + 4.0)) text-anchor="end" { (figure(mark)) }
                 }
-                @for (time, text) in time_marks(self.seconds, 8) {
-                    text x=(number(self.x(time))) y=(height - 8.0) text-anchor="middle" { (text) }
+                @for (time, text) in self.moments.marks(self.seconds, 8) {
+                    @let is_last = self.x(time) > WIDTH - 2.0 * RIGHT;
+                    text x=(number(if is_last { WIDTH } else { self.x(time) })) y=(height - 8.0) text-anchor=(if is_last { "end" } else { "middle" }) { (text) }
                 }
                 (inside)
             }
@@ -206,13 +222,14 @@ pub(super) fn histogram(label: &str, columns: &Columns, lines: &[(&str, f64)]) -
         height: 190.0,
         seconds: width * counts.len() as f64,
         max: counts.iter().copied().max().unwrap_or(0) as f64,
+        moments: Moments::Elapsed,
     };
     let inside = html! {
         @for (class, number_of) in counts.iter().enumerate() {
             @let start = class as f64 * width;
             @let (x, y) = (frame.x(start), frame.y(*number_of as f64));
             rect.column x=(number(x)) y=(number(y)) width=(number((frame.x(start + width) - x - 1.0).max(0.5))) height=(number(frame.y(0.0) - y)) {
-                title { (figure(start)) " to " (figure(start + width)) " s: " (count(*number_of)) }
+                title { (duration_in_units(start)) " to " (duration_in_units(start + width)) ": " (count(*number_of)) }
             }
         }
         @for (index, (name, at)) in lines.iter().enumerate().filter(|(_, (_, at))| *at <= frame.seconds) {
@@ -239,10 +256,11 @@ pub(super) struct Range {
 /// Intervals, one below the other, on one scale: percent of the base of each.
 pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
     const ROW: f64 = 44.0;
-    const NAMES: f64 = 210.0;
+    let lengths = ranges.iter().map(|range| range.name.chars().count());
+    let names = (lengths.max().unwrap_or(0) as f64 * 6.6 + 16.0).clamp(210.0, 400.0);
     let bottom = ranges.len() as f64 * ROW + 4.0;
     let height = bottom + 24.0;
-    let scale = Scale::of(ranges, NAMES + 110.0, WIDTH - 110.0);
+    let scale = Scale::of(ranges, names + 110.0, WIDTH - 110.0);
     html! {
         svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
             @for mark in scale.marks() {
@@ -252,7 +270,7 @@ pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
             line.capacity x1=(number(scale.x(0.0))) x2=(number(scale.x(0.0))) y1="2" y2=(bottom) {}
             @for (row, range) in ranges.iter().enumerate() {
                 @let y = row as f64 * ROW + 16.0;
-                text.name x=(NAMES) y=(y + 4.0) text-anchor="end" { (range.name) }
+                text.name x=(names) y=(y + 4.0) text-anchor="end" { (range.name) }
                 line.interval x1=(number(scale.x(range.low))) x2=(number(scale.x(range.high))) y1=(y) y2=(y) {}
                 @for (index, value) in range.values.iter().enumerate() {
                     circle.run cx=(number(scale.x(*value))) cy=(number(y - 6.0 + 4.0 * (index % 4) as f64)) r="3" {}

@@ -3,9 +3,11 @@
 //! The script reads the columns in the same way, so both change together.
 
 use super::super::for_script;
+use super::moments::Moments;
 use super::picture::Picture;
 use super::recorder::{Move, Target};
 use super::{Page, packed, state_class};
+use linewright_language::contract::date::{format_date, weekday};
 use linewright_language::contract::line::{Line, Node, NodeKind};
 use linewright_line::log::Activity;
 use packed::{Bytes, tick};
@@ -19,6 +21,17 @@ const STATES: [Activity; 6] = [
     Activity::Failed,
     Activity::Idle,
     Activity::Setup,
+];
+
+/// All states, in their order.
+const ACTIVITIES: [Activity; 7] = [
+    Activity::Busy,
+    Activity::Starved,
+    Activity::Blocked,
+    Activity::Failed,
+    Activity::Idle,
+    Activity::Setup,
+    Activity::FailedOffShift,
 ];
 
 /// Number of a movement's end that is no place: finished, rejected, joined.
@@ -40,6 +53,21 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
             json!({ "count": changes.len(), "bytes": state_column(changes, waiting, ticks) })
         })
         .collect();
+    let refusals: Vec<Value> = recorder
+        .refusals
+        .iter()
+        .map(|times| {
+            if times.is_empty() {
+                return Value::Null;
+            }
+            json!({ "count": times.len(), "bytes": times_column(times, ticks) })
+        })
+        .collect();
+    let days = match Moments::of(page.line) {
+        Moments::Elapsed => Value::Null,
+        Moments::Weekdays(first) => json!({ "weekday": first, "date": null }),
+        Moments::Dates(first) => json!({ "weekday": weekday(first), "date": format_date(first) }),
+    };
     let violations: Vec<Value> = page.traces[0]
         .violations
         .iter()
@@ -49,46 +77,50 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
         "end": recorder.end,
         "tick": tick,
         "margins": page.axis().margins(),
-        "nodes": page.line.nodes.iter().map(node).collect::<Vec<_>>(),
+        "days": days,
+        "nodes": page.line.nodes.iter().enumerate().map(|(index, of)| {
+            let mut value = node(of);
+            if recorder.waiting(index) == Activity::Idle {
+                value["isUnused"] = json!(true);
+            }
+            value
+        }).collect::<Vec<_>>(),
         "parts": page.line.parts.iter().map(|part| &part.name).collect::<Vec<_>>(),
         "links": picture.links,
         "stateNames": STATES.map(state_class),
         "states": states,
         "statesEnd": recorder.states_end,
+        "laterStates": later_states(page),
         "moves": {
             "count": recorder.moves.len(),
             "bytes": move_column(page.line, &recorder.moves, ticks),
         },
         "movesEnd": recorder.moves_end,
         "violations": violations,
+        "refusals": refusals,
     });
     for_script(&document.to_string())
 }
 
 /// A place: name, kind, and what its parts need.
 fn node(node: &Node) -> Value {
+    let mut value = json!({ "name": node.name, "kind": node.kind.word() });
     match &node.kind {
-        NodeKind::Source { .. } => json!({ "name": node.name, "kind": "source" }),
-        NodeKind::Sink { .. } => json!({ "name": node.name, "kind": "sink" }),
-        NodeKind::Store { .. } => json!({ "name": node.name, "kind": "store" }),
-        NodeKind::Station(_) => json!({ "name": node.name, "kind": "station" }),
         NodeKind::Conveyor {
             places,
             pitch,
             speed,
             belt,
             ..
-        } => json!({
-            "name": node.name,
-            "kind": "conveyor",
-            "places": places,
-            "pitchSeconds": pitch / speed,
-            "isStepped": belt.is_some(),
-        }),
-        NodeKind::Buffer { capacity, .. } => {
-            json!({ "name": node.name, "kind": "buffer", "capacity": capacity })
+        } => {
+            value["places"] = json!(places);
+            value["pitchSeconds"] = json!(pitch / speed);
+            value["isStepped"] = json!(belt.is_some());
         }
+        NodeKind::Buffer { capacity, .. } => value["capacity"] = json!(capacity),
+        _ => {}
     }
+    value
 }
 
 /// For each change: eight times the ticks since the last one, plus the number of the state. Waiting
@@ -102,14 +134,67 @@ fn state_column(
     let mut last = 0;
     for (time, state) in changes {
         let now = ticks(*time);
-        let shown = if *state == Activity::Starved {
-            waiting
-        } else {
-            *state
-        };
-        let class = state_class(shown);
+        let class = state_class(shown(*state, waiting));
         let number = STATES.iter().position(|state| state_class(*state) == class);
         bytes.push((now - last) << 3 | number.unwrap_or(0) as u64);
+        last = now;
+    }
+    bytes.packed()
+}
+
+/// The states after those whose changes are in the columns: the width of a bin of time, the number
+/// of the first bin, and by node the percentages of the states in each bin; null if there is none.
+fn later_states(page: &Page<'_>) -> Value {
+    let recorder = page.recorder;
+    let Some(end) = recorder.states_end else {
+        return Value::Null;
+    };
+    let mut layout = (0.0, 0);
+    let nodes = 0..page.line.nodes.len();
+    let columns = nodes.map(|node| {
+        if recorder.states[node].is_empty() {
+            return Value::Null;
+        }
+        let Some((bins, width)) = recorder.later_states(node) else {
+            return Value::Null;
+        };
+        let first = (end / width) as usize;
+        layout = (width, first);
+        let mut bytes = Bytes::default();
+        let waiting = recorder.waiting(node);
+        let bins = bins.iter().skip(first);
+        for bin in bins.clone() {
+            let all: f64 = bin.iter().sum();
+            for class in STATES.map(state_class) {
+                let states = bin.iter().zip(ACTIVITIES);
+                let of_class =
+                    states.filter(|(_, state)| state_class(shown(*state, waiting)) == class);
+                let seconds: f64 = of_class.map(|(seconds, _)| seconds).sum();
+                bytes.push((100.0 * seconds / all.max(f64::MIN_POSITIVE)).round() as u64);
+            }
+        }
+        json!({ "count": bins.len(), "bytes": bytes.packed() })
+    });
+    let columns: Vec<Value> = columns.collect();
+    json!({ "width": layout.0, "first": layout.1, "nodes": columns })
+}
+
+/// The state as which a state is shown, if waiting for parts is shown as `waiting`.
+fn shown(state: Activity, waiting: Activity) -> Activity {
+    if state == Activity::Starved {
+        waiting
+    } else {
+        state
+    }
+}
+
+/// For each time: the ticks since the last one.
+fn times_column(times: &[f64], ticks: impl Fn(f64) -> u64) -> String {
+    let mut bytes = Bytes::default();
+    let mut last = 0;
+    for time in times {
+        let now = ticks(*time);
+        bytes.push(now - last);
         last = now;
     }
     bytes.packed()

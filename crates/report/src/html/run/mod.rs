@@ -6,6 +6,7 @@
 
 mod charts;
 mod data;
+mod moments;
 mod packed;
 mod picture;
 mod recorder;
@@ -21,6 +22,7 @@ use linewright_language::contract::line::Line;
 use linewright_line::Trace;
 use linewright_line::comparison::Comparison;
 use linewright_line::log::Activity;
+use moments::Moments;
 use picture::Picture;
 pub use recorder::Recorder;
 use std::collections::BTreeMap;
@@ -36,8 +38,8 @@ pub struct Page<'a> {
     pub intervals: Option<Intervals<'a>>,
     /// The recorder that watched the first run.
     pub recorder: &'a Recorder,
-    /// The variant that the line was compared with.
-    pub comparison: Option<Compared<'a>>,
+    /// The variants that the line was compared with.
+    pub comparisons: &'a [Compared<'a>],
     /// Numbers that were set for the run, by name.
     pub set: &'a BTreeMap<&'a str, &'a str>,
     /// Where the run comes from.
@@ -49,7 +51,8 @@ impl Page<'_> {
     fn axis(&self) -> charts::TimeAxis {
         let stations = self.traces[0].stations.iter();
         let names = stations.map(|station| station.name.as_str());
-        charts::TimeAxis::new(names, self.recorder.end, self.recorder.counting)
+        let moments = Moments::of(self.line);
+        charts::TimeAxis::new(names, self.recorder.end, self.recorder.counting, moments)
     }
 }
 

@@ -40,6 +40,21 @@
     return { times, states };
   }
 
+  // By place: the times at which it refused something.
+  async function readTimes(column) {
+    if (!column) return null;
+    const next = await numbers(column.bytes);
+    let ticks = 0;
+    return Float64Array.from({ length: column.count }, () => (ticks += next()) * data.tick);
+  }
+
+  // By station: the percentages of the states in each bin of time after the last known change.
+  async function readShares(column) {
+    if (!column) return null;
+    const next = await numbers(column.bytes);
+    return Uint8Array.from({ length: column.count * data.stateNames.length }, next);
+  }
+
   async function readMoves() {
     const { count, bytes } = data.moves;
     const next = await numbers(bytes);
@@ -69,20 +84,49 @@
   // ---- Numbers for people -------------------------------------------------------------------
 
   const two = (n) => String(n).padStart(2, "0");
+  const DAY = 86400;
+  // The day on which a moment is, such as "Mon 5 Jan"; null for a line without a calendar.
+  function dayOf(seconds) {
+    if (!data.days) return null;
+    const day = Math.floor(seconds / DAY);
+    const name = ["Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun"][(data.days.weekday + day) % 7];
+    if (!data.days.date) return day < 7 ? name : `${name} week ${Math.floor(day / 7) + 1}`;
+    const date = new Date(Date.parse(data.days.date) + day * DAY * 1000);
+    return `${name} ${date.getUTCDate()} ${date.toLocaleString("en", { month: "short", timeZone: "UTC" })}`;
+  }
+  // A moment: "Mon 5 Jan 6:28:05", or only "6:28:05".
   function clock(seconds) {
     const digits = data.end < 600 ? 2 : 0;
     const scale = 10 ** digits;
     const all = Math.round(seconds * scale);
-    const whole = Math.floor(all / scale);
+    const day = dayOf(all / scale);
+    const whole = Math.floor(all / scale) % (day ? DAY : Infinity);
     const fraction = digits ? "." + String(all % scale).padStart(digits, "0") : "";
-    return `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}${fraction}`;
+    return `${day ? `${day} ` : ""}${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}${fraction}`;
   }
+  // A mark of an axis with marks this far apart: the day at midnight, and the time of the day between.
+  function markText(seconds, step) {
+    if (!data.days || step < 1) return clock(seconds);
+    const ofDay = Math.round(seconds) % DAY;
+    if (ofDay === 0) return dayOf(seconds);
+    const text = `${Math.floor(ofDay / 3600)}:${two(Math.floor(ofDay / 60) % 60)}`;
+    return step >= 60 ? text : `${text}:${two(ofDay % 60)}`;
+  }
+  // A duration with at most three units, such as "6 min 28 s".
   function span(seconds) {
-    const units = [[86400, "d"], [3600, "h"], [60, "min"], [1, "s"], [0.001, "ms"]];
-    const [size, unit] = units.find(([size]) => seconds >= size) ?? units[4];
-    return `${Number((seconds / size).toPrecision(3)).toLocaleString("en")} ${unit}`;
+    if (seconds < 59.95) {
+      const [size, unit] = seconds > 0 && seconds < 0.0995 ? [0.001, "ms"] : [1, "s"];
+      return `${Number((seconds / size).toPrecision(3)).toLocaleString("en")} ${unit}`;
+    }
+    const whole = seconds < DAY ? Math.round(seconds) : Math.round(seconds / 60) * 60;
+    const units = [[Math.floor(whole / DAY), "d"], [Math.floor(whole / 3600) % 24, "h"], [Math.floor(whole / 60) % 60, "min"], [whole % 60, "s"]];
+    return units.filter(([count]) => count > 0).map(([count, unit]) => `${count} ${unit}`).join(" ");
   }
-  const words = { idle: "idle", setup: "being set up", failed: "failed" };
+  // The word for the state of a place.
+  function word(node, name) {
+    if (name === "idle") return data.nodes[node].isUnused ? "not used" : "off shift";
+    return name === "setup" ? "being set up" : name;
+  }
 
   // ---- The picture ---------------------------------------------------------------------------
 
@@ -102,7 +146,7 @@
     paths.set(from * data.nodes.length + to, path);
   }
 
-  let moves, states;
+  let moves, states, refusals, later = [];
   let time = 0;
   // Parts in the line: by number, where they are, since when, and from where they came.
   let there = new Map();
@@ -151,23 +195,30 @@
   }
 
   const pool = [];
+  // Maximum number of parts that are drawn in a place that is no conveyor. The rest is a number.
+  const MOST = 14;
   function draw() {
     seek(time);
     const here = data.nodes.map(() => []);
     for (const [number, part] of there) here[part.node].push({ number, ...part });
-    const slide = calm.matches ? 0 : 0.1 * rate();
+    // Parts move in no time: each is drawn where it is. A pale copy shows where it has come from.
+    const slide = calm.matches || !playing ? 0 : 0.1 * rate();
     const shown = [];
     here.forEach((parts, node) => {
       const { kind, capacity, places, pitchSeconds, isStepped } = data.nodes[node];
       const box = boxes[node];
       const full = kind === "buffer" ? `${parts.length} of ${capacity}` : kind === "conveyor" ? `${parts.length} of ${places}`
-        : kind === "sink" ? `${gone[node].toLocaleString("en")}` : parts.length > 1 ? `${parts.length} parts` : "";
+        : kind.startsWith("sink") ? `${gone[node].toLocaleString("en")}` : parts.length > 1 ? `${parts.length} parts` : "";
       const text = groups[node].querySelector(".count");
       if (text.textContent !== full) text.textContent = full;
+      const drawn = kind === "conveyor" || parts.length <= MOST ? parts.length : MOST - 4;
+      const more = groups[node].querySelector(".more");
+      const rest = drawn < parts.length ? `+${(parts.length - drawn).toLocaleString("en")}` : "";
+      if (more.textContent !== rest) more.textContent = rest;
       // The oldest part is nearest to the end of its place.
       let ahead = Infinity;
       parts.forEach((part, index) => {
-        if (index >= 14 && kind !== "conveyor") return;
+        if (index >= drawn) return;
         let x, y = box.y + box.height - 24;
         if (kind === "conveyor") {
           const steps = isStepped ? part.place : (time - part.since) / pitchSeconds;
@@ -176,15 +227,16 @@
           x = box.x + box.width * (position + 0.5) / places;
           y = box.y + box.height - 25;
         } else {
-          const room = Math.min(11, (box.width - 16) / Math.max(Math.min(parts.length, 14), 1));
-          x = box.x + box.width / 2 + (Math.min(parts.length, 14) / 2 - index - 0.5) * room;
+          const wide = box.width - 16 - 7 * rest.length;
+          const room = Math.min(11, wide / Math.max(drawn, 1));
+          x = box.x + 8 + wide / 2 + (drawn / 2 - index - 0.5) * room;
         }
+        shown.push([part.kind, x, y, node]);
         const path = part.from >= 0 && time - part.since < slide && paths.get(part.from * data.nodes.length + node);
         if (path) {
           const at = path.getPointAtLength(path.getTotalLength() * (time - part.since) / slide);
-          x = at.x; y = at.y;
+          shown.push([part.kind, at.x, at.y, -1]);
         }
-        shown.push([part.kind, x, y]);
       });
     });
     while (pool.length < shown.length) {
@@ -196,6 +248,8 @@
       const part = shown[index];
       use.setAttribute("display", part ? "inline" : "none");
       if (!part) return;
+      use.setAttribute("class", part[3] < 0 ? "moving" : "");
+      use.dataset.in = part[3];
       const href = `#part${part[0]}`;
       if (use.getAttribute("href") !== href) use.setAttribute("href", href);
       use.setAttribute("transform", `translate(${part[1].toFixed(1)} ${part[2].toFixed(1)})`);
@@ -219,17 +273,19 @@
     const parts = [...there].filter(([, part]) => part.node === node);
     const named = ([number, part]) => `${data.parts[part.kind]} ${number}`;
     const column = states[node];
+    const refused = refusals[node] ? last(refusals[node], time) + 1 : 0;
+    const refusedText = refused === 0 ? "" : ` It has refused ${refused === 1 ? "once" : `${refused.toLocaleString("en")} times`}, last at ${clock(refusals[node][refused - 1])}.`;
     if (column) {
       const index = last(column.times, time);
       const name = index < 0 ? "idle" : data.stateNames[column.states[index]];
       const since = index < 0 ? 0 : column.times[index];
       const with_ = parts.length ? `, with ${parts.slice(0, 3).map(named).join(", ")}` : "";
-      return `${place.name} is ${words[name] ?? name} since ${clock(since)}${with_}.`;
+      return `${place.name} is ${word(node, name)} since ${clock(since)}${with_}.${refusedText}`;
     }
-    if (place.kind === "sink") return `${place.name} has taken ${gone[node].toLocaleString("en")} parts.`;
+    if (place.kind.startsWith("sink")) return `${place.name} has taken ${gone[node].toLocaleString("en")} parts.`;
     const first = parts[0];
     const oldest = first ? `; ${named(first)} is there since ${clock(first[1].since)}` : "";
-    return `${place.name} holds ${parts.length} ${parts.length === 1 ? "part" : "parts"}${oldest}.`;
+    return `${place.name} holds ${parts.length.toLocaleString("en")} ${parts.length === 1 ? "part" : "parts"}${oldest}.${refusedText}`;
   }
 
   let pointed = -1;
@@ -255,10 +311,11 @@
     if (pointed >= 0 && !playing) point(pointed);
   }
   function play(on) {
+    const was = playing;
     playing = on && (time < shownEnd() || (setTime(0), true));
     byId("play").textContent = playing ? "Pause" : "Play";
     byId("play").setAttribute("aria-pressed", String(playing));
-    if (!playing) { if (pointed >= 0) point(pointed); return; }
+    if (!playing) { if (was) draw(); if (pointed >= 0) point(pointed); return; }
     let before = performance.now();
     let stepped = before;
     const step = (now) => {
@@ -301,7 +358,7 @@
     byId("back").addEventListener("click", () => stepEvent(false));
     byId("forward").addEventListener("click", () => stepEvent(true));
     byId("violation")?.addEventListener("click", nextViolation);
-    byId("time").addEventListener("input", (event) => { play(false); setTime(+event.target.value / 1000 * data.end); });
+    byId("time").addEventListener("input", (event) => { const to = +event.target.value / 1000 * data.end; play(false); setTime(to); });
     for (const button of document.querySelectorAll(".jump")) {
       button.addEventListener("click", () => {
         play(false);
@@ -322,14 +379,16 @@
   // ---- The timeline -------------------------------------------------------------------------------
 
   const canvas = byId("gantt");
-  const ROW = 26, AXIS = 24;
+  const AXIS = 24;
+  // Height of a row: few rows are higher.
+  let ROW = 26;
   let from = 0, to = 0, rows = [], left = 0, right = 0;
   let colours = {};
 
   function readColours() {
     const style = getComputedStyle(document.documentElement);
     const value = (name) => style.getPropertyValue(`--${name}`).trim();
-    colours = { ink: value("ink"), soft: value("soft"), rule: value("rule"), ground: value("ground"), accent: value("accent") };
+    colours = { failed: value("failed"), ink: value("ink"), soft: value("soft"), rule: value("rule"), ground: value("ground"), accent: value("accent") };
     colours.states = data.stateNames.map(value);
     colours.hatches = data.stateNames.map((name) => hatch(name, value("hatch")));
   }
@@ -375,36 +434,37 @@
     const scale = (width - left - right) / (to - from);
     const x = (at) => left + (at - from) * scale;
     rows.forEach((node, row) => {
-      const y = row * ROW + 3, tall = ROW - 6;
+      const y = row * ROW + 2, tall = ROW - 4;
       pen.fillStyle = colours.ink;
       pen.textAlign = "right";
       pen.fillText(data.nodes[node].name, left - 8, y + tall / 2, left - 12);
-      drawRow(pen, states[node], x, y, tall, width - right, scale);
+      if (states[node]) drawRow(pen, states[node], x, y, tall);
+      if (data.statesEnd !== null && data.statesEnd < to) drawLater(pen, later[node], Math.max(left, Math.round(x(data.statesEnd))), width - right, scale, y, tall);
+      drawRefusals(pen, refusals[node], x, y);
     });
     pen.strokeStyle = colours.rule;
     pen.fillStyle = colours.soft;
     pen.textAlign = "center";
-    const { marks } = marksOf(from, to, width - left - right);
+    const { marks, step } = marksOf(from, to, width - left - right);
     for (const at of marks) {
       pen.beginPath(); pen.moveTo(x(at), rows.length * ROW); pen.lineTo(x(at), rows.length * ROW + 5); pen.stroke();
-      if (x(at) > left + 20 && x(at) < width - 30) pen.fillText(clock(at), x(at), rows.length * ROW + 15);
+      if (x(at) > left + 20 && x(at) < width - 30) pen.fillText(markText(at, step), x(at), rows.length * ROW + 15);
     }
     byId("window").textContent = `${clock(from)} to ${clock(to)}`;
     drawCursor();
   }
 
   // Draws the states of a station. Pieces narrower than a pixel are gathered: a column of pixels
-  // shows the share of each state.
-  function drawRow(pen, column, x, y, tall, width, scale) {
+  // shows the share of each state. Wide pieces begin and end at whole pixels, so that no ground is
+  // seen between them.
+  function drawRow(pen, column, x, y, tall) {
     const { times, states } = column;
     const end = Math.min(data.statesEnd ?? data.end, to);
-    let index = Math.max(0, last(times, from));
     const shares = new Float64Array(8);
     let pixel = -1, used = 0;
     const flush = () => {
-      if (pixel < 0 || used === 0) return;
       let bottom = y + tall;
-      for (let s = 0; s < colours.states.length; s++) {
+      for (let s = 0; used > 0 && s < colours.states.length; s++) {
         const part = tall * shares[s] / used;
         if (part === 0) continue;
         pen.fillStyle = colours.states[s];
@@ -414,7 +474,7 @@
       shares.fill(0);
       used = 0;
     };
-    for (; index < times.length && times[index] < end; index++) {
+    for (let index = Math.max(0, last(times, from)); index < times.length && times[index] < end; index++) {
       const start = Math.max(times[index], from);
       const stop = Math.min(index + 1 < times.length ? times[index + 1] : end, end);
       if (stop <= start) continue;
@@ -422,17 +482,62 @@
       if (b - a >= 1.5) {
         flush();
         pixel = -1;
+        const first = Math.round(a), wide = Math.round(b) - first;
         pen.fillStyle = colours.states[state];
-        pen.fillRect(a, y, b - a, tall);
-        if (b - a >= 6 && colours.hatches[state]) { pen.fillStyle = colours.hatches[state]; pen.fillRect(a, y, b - a, tall); }
-      } else {
-        const at = Math.floor(a);
+        pen.fillRect(first, y, wide, tall);
+        if (b - a >= 6 && colours.hatches[state]) { pen.fillStyle = colours.hatches[state]; pen.fillRect(first, y, wide, tall); }
+        continue;
+      }
+      for (let at = Math.floor(a); at < b; at++) {
         if (at !== pixel) { flush(); pixel = at; }
-        shares[state] += stop - start;
-        used += stop - start;
+        const share = Math.min(b, at + 1) - Math.max(a, at);
+        shares[state] += share;
+        used += share;
       }
     }
     flush();
+  }
+
+  // The shares of the states at a time after the last known change.
+  function sharesAt(shares, at) {
+    const count = data.stateNames.length, bins = shares.length / count;
+    const bin = Math.max(0, Math.min(Math.floor(at / data.laterStates.width) - data.laterStates.first, bins - 1));
+    return shares.subarray(bin * count, (bin + 1) * count);
+  }
+  // Draws them, for every pixel from a to b.
+  function drawLater(pen, shares, a, b, scale, y, tall) {
+    if (!shares) return;
+    for (let pixel = a; pixel < b; pixel++) {
+      const of = sharesAt(shares, from + (pixel + 0.5 - left) / scale);
+      const all = of.reduce((sum, share) => sum + share, 0) || 1;
+      let bottom = y + tall;
+      of.forEach((share, state) => {
+        if (share === 0) return;
+        pen.fillStyle = colours.states[state];
+        pen.fillRect(pixel, bottom - tall * share / all, 1, tall * share / all);
+        bottom -= tall * share / all;
+      });
+    }
+  }
+
+  // A triangle at the top of the row for each refusal, at most one a pixel.
+  function drawRefusals(pen, times, x, y) {
+    if (!times) return;
+    pen.fillStyle = colours.failed;
+    pen.strokeStyle = colours.ground;
+    let drawn = -1;
+    for (let index = Math.max(0, last(times, from)); index < times.length && times[index] <= to; index++) {
+      const at = Math.round(x(times[index]));
+      if (times[index] < from || at === drawn) continue;
+      drawn = at;
+      pen.beginPath();
+      pen.moveTo(at - 4.5, y - 2);
+      pen.lineTo(at + 4.5, y - 2);
+      pen.lineTo(at, y + 7);
+      pen.closePath();
+      pen.fill();
+      pen.stroke();
+    }
   }
 
   function drawCursor() {
@@ -458,7 +563,8 @@
 
   function setUpTimeline() {
     if (!canvas) return;
-    rows = data.nodes.map((_, node) => node).filter((node) => states[node]);
+    rows = data.nodes.map((_, node) => node).filter((node) => states[node] || refusals[node]);
+    ROW = Math.max(26, Math.min(44, Math.floor(240 / rows.length)));
     to = data.end;
     canvas.addEventListener("wheel", (event) => { event.preventDefault(); zoom(event.deltaY > 0 ? 1.25 : 0.8, timeAt(event)); }, { passive: false });
     let drag = null;
@@ -490,18 +596,24 @@
     const node = rows[Math.floor(event.offsetY / ROW)];
     const at = timeAt(event);
     if (node === undefined || at < 0) return "";
+    if (!states[node]) return `${data.nodes[node].name}: a mark is a refusal`;
+    if (data.statesEnd !== null && at >= data.statesEnd) {
+      const said = [...sharesAt(later[node], at)].map((share, state) => [share, word(node, data.stateNames[state])]).filter(([share]) => share > 0);
+      return `${data.nodes[node].name}, in ${span(data.laterStates.width)}: ${said.map(([share, name]) => `${name} ${share} %`).join(", ")}`;
+    }
     const { times, states: of } = states[node];
     const index = last(times, at);
     if (index < 0) return "";
     const end = index + 1 < times.length ? times[index + 1] : data.end;
     const name = data.stateNames[of[index]];
-    return `${data.nodes[node].name}: ${words[name] ?? name} from ${clock(times[index])} for ${span(end - times[index])}`;
+    return `${data.nodes[node].name}: ${word(node, name)} from ${clock(times[index])} for ${span(end - times[index])}`;
   }
 
   // ---- Start ------------------------------------------------------------------------------------
 
   async function begin() {
-    [moves, states] = await Promise.all([readMoves(), Promise.all(data.states.map(readStates))]);
+    [moves, states, refusals] = await Promise.all([readMoves(), Promise.all(data.states.map(readStates)), Promise.all(data.refusals.map(readTimes))]);
+    if (data.laterStates) later = await Promise.all(data.laterStates.nodes.map(readShares));
     snapshots.push({ there: new Map(), gone: data.nodes.map(() => 0), applied: 0 });
     reset();
     readColours();

@@ -1,12 +1,13 @@
 //! The picture of a line: its places in layers along the routes.
 
+use super::recorder::Recorder;
 use super::state_class;
+use crate::html::numbers::count;
 use linewright_core::drawing::fold::{place_in_rows, rounded};
 use linewright_core::drawing::layers::{Link, Placement, Size, Spacing};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_line::log::Activity;
 use maud::{Markup, html};
-use std::collections::BTreeMap;
 
 const SPACING: Spacing = Spacing {
     boxes: 26.0,
@@ -43,8 +44,8 @@ impl Picture {
         }
     }
 
-    /// Draws the picture. `counts` has the number of parts that went from node to node.
-    pub fn draw(&self, line: &Line, counts: &BTreeMap<(usize, usize), u64>) -> Markup {
+    /// Draws the picture, with the number of parts that went from node to node.
+    pub fn draw(&self, line: &Line, recorder: &Recorder) -> Markup {
         let Size { width, height } = self.placement.size;
         let (width, height) = (width + 2.0 * MARGIN, height + 2.0 * MARGIN);
         let view = format!("{0:.0} {0:.0} {width:.0} {height:.0}", -MARGIN);
@@ -57,9 +58,9 @@ impl Picture {
                 }
                 @for (index, link) in self.placement.links.iter().enumerate() {
                     @let (from, to) = self.links[index];
-                    @let count = counts.get(&(from, to)).copied().unwrap_or(0);
+                    @let flow = recorder.flow(from, to);
                     path.link data-link=(index) d=(rounded(&link.points)) marker-end="url(#arrow)" {
-                        title { (line.nodes[from].name) " to " (line.nodes[to].name) ": " (count) " parts" }
+                        title { (line.nodes[from].name) " to " (line.nodes[to].name) ": " (by_type(line, flow)) }
                     }
                 }
                 @for (index, node) in line.nodes.iter().enumerate() {
@@ -83,7 +84,7 @@ impl Picture {
             _ => "node".to_owned(),
         };
         html! {
-            g class=(class) data-node=(index) tabindex="0" role="img" aria-label=(format!("{} {name}", word(kind)))
+            g class=(class) data-node=(index) tabindex="0" role="img" aria-label=(format!("{} {name}", kind.word()))
                 transform=(format!("translate({x:.1} {y:.1})")) {
                 rect.body width=(number(size.width)) height=(number(size.height)) rx=(rounding) {}
                 @if let NodeKind::Conveyor { places, .. } = kind {
@@ -95,8 +96,21 @@ impl Picture {
                 text x=(number(size.width / 2.0)) y="15" { (name) }
                 text.note x=(number(size.width / 2.0)) y="28" { (note(kind)) }
                 text.count x=(number(size.width / 2.0)) y=(number(size.height - 5.0)) {}
+                text.more x=(number(size.width - 5.0)) y=(number(size.height - 20.0)) {}
             }
         }
+    }
+}
+
+/// Numbers of parts of each type, as text: `12 Bottle, 3 Can`.
+pub(super) fn by_type(line: &Line, numbers: &[u64]) -> String {
+    let types = line.parts.iter().zip(numbers).filter(|(_, n)| **n > 0);
+    let types = types.map(|(part, number)| format!("{} {}", count(*number), part.name));
+    let types: Vec<String> = types.collect();
+    if types.is_empty() {
+        "none".to_owned()
+    } else {
+        types.join(", ")
     }
 }
 
@@ -126,28 +140,12 @@ fn size(name: &str, kind: &NodeKind) -> Size {
     }
 }
 
-/// The kind of a place, in a word.
-pub(super) fn word(kind: &NodeKind) -> &'static str {
-    match kind {
-        NodeKind::Source { .. } => "source",
-        NodeKind::Sink { reject: true, .. } => "sink for rejects",
-        NodeKind::Sink { .. } => "sink",
-        NodeKind::Store { .. } => "store",
-        NodeKind::Station(_) => "station",
-        NodeKind::Conveyor { .. } => "conveyor",
-        NodeKind::Buffer { .. } => "buffer",
-    }
-}
-
 /// What stands below the name of a place.
 fn note(kind: &NodeKind) -> String {
-    match kind {
-        NodeKind::Station(station) => match &station.machine {
-            Some(machine) => machine.name.clone(),
-            None => "station".to_owned(),
-        },
-        NodeKind::Conveyor { places, .. } => format!("conveyor, {places} places"),
-        NodeKind::Buffer { capacity, .. } => format!("buffer, {capacity} places"),
-        _ => word(kind).to_owned(),
+    if let NodeKind::Station(station) = kind
+        && let Some(machine) = &station.machine
+    {
+        return machine.name.clone();
     }
+    kind.description()
 }

@@ -1,17 +1,20 @@
 //! Gathers what a page shows of a run over time, while the run goes on.
 
-use super::series::{Curve, Histogram, Steps, Sums};
+use super::series::{CURVE, Curve, Histogram, Steps, Sums};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_line::log::{Activity, EventKind, LogEntry, Moment, Observer, Other};
-use linewright_line::trace::End;
+use linewright_line::trace::{End, Violation};
 use std::collections::{BTreeMap, HashMap};
 
 /// Maximum number of movements that the animation shows. Later ones are left out.
 const MAX_MOVES: usize = 250_000;
 
 /// Maximum number of changes of state that the chart of the stations shows, over all stations.
-/// Later ones are left out.
+/// After them, it shows the share of each state in bins of time.
 const MAX_CHANGES: usize = 600_000;
+
+/// Maximum number of refusals that the chart of the stations marks. Later ones are left out.
+const MAX_REFUSALS: usize = 100_000;
 
 /// What happens to a part in the animation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +40,23 @@ pub(super) enum Target {
     Joined,
 }
 
+/// Parts of one type while figures count: `before + entered` is the sum of the others.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Balance {
+    /// Parts that were in the line when counting began.
+    pub before: u64,
+    pub entered: u64,
+    pub finished: u64,
+    /// Parts that came into a sink for rejects.
+    pub rejected: u64,
+    /// Parts that were taken out anywhere else: scrapped by a failure, expired, or refused.
+    pub scrapped: u64,
+    /// Parts that were joined into others.
+    pub joined: u64,
+    /// Parts that were in the line at the end.
+    pub remaining: u64,
+}
+
 /// Records one run for a page. Needs memory for the parts in the line, for curves of a few hundred
 /// points, and for the movements and changes of state that a page shows, whose number is bounded.
 #[derive(Debug)]
@@ -46,6 +66,10 @@ pub struct Recorder {
     changes: usize,
     /// Time from which on changes of state were left out, in seconds.
     pub(super) states_end: Option<f64>,
+    /// By node: its state, and since when.
+    current: Vec<Option<(f64, Activity)>>,
+    /// By node: from the end of the changes on, seconds in each state.
+    later: Vec<[Sums; 7]>,
     pub(super) moves: Vec<Move>,
     /// Time from which on movements were left out, in seconds.
     pub(super) moves_end: Option<f64>,
@@ -67,8 +91,16 @@ pub struct Recorder {
     entered: HashMap<u64, f64>,
     /// For each part that is being joined, when the oldest component so far entered.
     joined: HashMap<u64, f64>,
-    /// Number of parts that went from one node to another.
-    pub(super) flow: BTreeMap<(usize, usize), u64>,
+    /// By pair of nodes: number of parts of each type that went from one to the other.
+    pub(super) flow: BTreeMap<(usize, usize), Vec<u64>>,
+    /// By node that is no sink: number of parts of each type that were taken out there.
+    pub(super) scrapped: BTreeMap<usize, Vec<u64>>,
+    /// By part type.
+    balance: Vec<Balance>,
+    /// By node: the times at which its controller refused something, in seconds.
+    pub(super) refusals: Vec<Vec<f64>>,
+    refusal_count: usize,
+    is_sink: Vec<bool>,
     /// By node: joules by state; those of conveyors count as busy.
     pub(super) joules: Vec<[f64; 7]>,
     power: Sums,
@@ -84,6 +116,7 @@ impl Recorder {
     pub fn new(line: &Line) -> Self {
         let nodes = line.nodes.len();
         let is_buffer = |kind: &NodeKind| matches!(kind, NodeKind::Buffer { .. });
+        let is_sink = |kind: &NodeKind| matches!(kind, NodeKind::Sink { .. });
         let buffers = line.nodes.iter();
         let buffers = buffers.map(|node| is_buffer(&node.kind).then(Steps::new));
         let types = 0..line.parts.len();
@@ -91,6 +124,8 @@ impl Recorder {
             states: vec![Vec::new(); nodes],
             changes: 0,
             states_end: None,
+            current: vec![None; nodes],
+            later: vec![std::array::from_fn(|_| Sums::new()); nodes],
             moves: Vec::new(),
             moves_end: None,
             units: Steps::new(),
@@ -104,6 +139,11 @@ impl Recorder {
             entered: HashMap::new(),
             joined: HashMap::new(),
             flow: BTreeMap::new(),
+            scrapped: BTreeMap::new(),
+            balance: vec![Balance::default(); line.parts.len()],
+            refusals: vec![Vec::new(); nodes],
+            refusal_count: 0,
+            is_sink: line.nodes.iter().map(|node| is_sink(&node.kind)).collect(),
             joules: vec![[0.0; 7]; nodes],
             power: Sums::new(),
             last: vec![(0.0, Activity::Busy); nodes],
@@ -126,12 +166,9 @@ impl Recorder {
     pub(super) fn throughput(&self) -> (Vec<f64>, f64) {
         /// Maximum number of bins: a product that is finished must not look like a burst.
         const BINS: usize = 48;
-        let sums = self.finished.clone().until(self.end);
-        let each = sums.len().div_ceil(BINS).max(1);
-        let width = self.finished.width() * each as f64;
-        let bins = sums.chunks(each).enumerate().map(|(bin, sums)| {
+        let (sums, width) = self.finished.clone().until(self.end, BINS);
+        let bins = sums.iter().enumerate().map(|(bin, products)| {
             let seconds = (self.end - bin as f64 * width).min(width);
-            let products: f64 = sums.iter().sum();
             if seconds > 0.0 {
                 products * 3600.0 / seconds
             } else {
@@ -158,8 +195,7 @@ impl Recorder {
 
     /// Mean power in each bin of time in watts, and the width of a bin in seconds.
     pub(super) fn power(&self) -> (Vec<f64>, f64) {
-        let width = self.power.width();
-        let sums = self.power.clone().until(self.end);
+        let (sums, width) = self.power.clone().until(self.end, CURVE);
         let bins = sums.iter().enumerate();
         let watts = bins.map(|(bin, joules)| {
             let seconds = (self.end - bin as f64 * width).min(width);
@@ -168,7 +204,57 @@ impl Recorder {
         (watts.collect(), width)
     }
 
+    /// Number of parts of each type that went from one node to another.
+    pub(super) fn flow(&self, from: usize, to: usize) -> &[u64] {
+        self.flow.get(&(from, to)).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether there were more refusals than are marked.
+    pub(super) fn has_more_refusals(&self) -> bool {
+        self.refusal_count >= MAX_REFUSALS
+    }
+
+    /// What became of the parts of a type.
+    pub(super) fn balance(&self, kind: usize) -> Balance {
+        let remaining = self.types.values().filter(|of| **of == kind).count() as u64;
+        Balance {
+            remaining,
+            ..self.balance[kind]
+        }
+    }
+
+    /// For the time after the changes of state that were recorded: the seconds in each state in
+    /// each bin of time from 0 on, and the width of a bin in seconds; `None` if all were recorded.
+    pub(super) fn later_states(&self, node: usize) -> Option<(Vec<[f64; 7]>, f64)> {
+        self.states_end?;
+        let mut bins = Vec::new();
+        let mut width = 0.0;
+        for (state, sums) in self.later[node].iter().enumerate() {
+            let mut sums = sums.clone();
+            // All get bins of the same width.
+            sums.spread(self.end, self.end, 0.0);
+            let (seconds, of_state) = sums.until(self.end, CURVE);
+            bins.resize(seconds.len(), [0.0; 7]);
+            for (bin, seconds) in bins.iter_mut().zip(seconds) {
+                bin[state] = seconds;
+            }
+            width = of_state;
+        }
+        Some((bins, width))
+    }
+
+    /// Counts the time of a node in its state up to `time`, if its changes are not recorded any
+    /// more.
+    fn count_later_state(&mut self, time: f64, node: usize) {
+        if let (Some(from), Some((since, state))) = (self.states_end, self.current[node]) {
+            let since = since.max(from);
+            self.later[node][state as usize].spread(since, time, (time - since).max(0.0));
+        }
+    }
+
     fn change_state(&mut self, time: f64, node: usize, state: Activity) {
+        self.count_later_state(time, node);
+        self.current[node] = Some((time, state));
         self.last[node].1 = state;
         let known = self.states[node].last();
         if known.is_some_and(|(_, last)| *last == state) {
@@ -225,6 +311,7 @@ impl Recorder {
         let LogEntry { time, node, .. } = *entry;
         match entry.what {
             EventKind::Entered => {
+                self.balance[kind].entered += 1;
                 let since = self.joined.remove(&part).unwrap_or(time);
                 self.entered.insert(part, since);
                 self.units.add(time, 1);
@@ -239,12 +326,15 @@ impl Recorder {
             EventKind::Left => {
                 self.changes_buffer(time, node, -1);
                 if let Some(Other::Node(to)) = entry.other {
-                    *self.flow.entry((node, to)).or_default() += 1;
+                    let types = self.balance.len();
+                    let flow = self.flow.entry((node, to));
+                    flow.or_insert_with(|| vec![0; types])[kind] += 1;
                     self.moved(time, part, None, Target::Node(to));
                 }
             }
             EventKind::Place(place) => self.moved(time, part, None, Target::Place(place)),
             EventKind::Consumed => {
+                self.balance[kind].joined += 1;
                 let since = self.entered.remove(&part).unwrap_or(time);
                 if let Some(Other::Part(whole)) = entry.other {
                     let oldest = self.joined.entry(whole).or_insert(since);
@@ -253,6 +343,7 @@ impl Recorder {
                 self.leaves_line(time, part, Target::Joined);
             }
             EventKind::Finished => {
+                self.balance[kind].finished += 1;
                 let since = self.entered.remove(&part).unwrap_or(time);
                 if self.is_product[kind] {
                     self.lead_times.add(time - since);
@@ -261,6 +352,14 @@ impl Recorder {
                 self.leaves_line(time, part, Target::Finished);
             }
             EventKind::Rejected => {
+                if self.is_sink[node] {
+                    self.balance[kind].rejected += 1;
+                } else {
+                    self.balance[kind].scrapped += 1;
+                    let types = self.balance.len();
+                    let scrapped = self.scrapped.entry(node);
+                    scrapped.or_insert_with(|| vec![0; types])[kind] += 1;
+                }
                 self.entered.remove(&part);
                 self.changes_buffer(time, node, -1);
                 self.leaves_line(time, part, Target::Rejected);
@@ -284,10 +383,23 @@ impl Observer for Recorder {
         }
     }
 
+    fn record_violation(&mut self, violation: &Violation) {
+        let refusals = &mut self.refusals[violation.node];
+        if self.refusal_count < MAX_REFUSALS && refusals.last() != Some(&violation.time) {
+            refusals.push(violation.time);
+            self.refusal_count += 1;
+        }
+    }
+
     fn begin_counting(&mut self, moment: Moment) {
         self.counting = moment.time;
         self.lead_times = Histogram::new();
         self.flow.clear();
+        self.scrapped.clear();
+        self.balance.fill(Balance::default());
+        for kind in self.types.values() {
+            self.balance[*kind].before += 1;
+        }
         for joules in &mut self.joules {
             *joules = [0.0; 7];
         }
@@ -295,5 +407,8 @@ impl Observer for Recorder {
 
     fn end(&mut self, moment: Moment, _end: End) {
         self.end = moment.time;
+        for node in 0..self.current.len() {
+            self.count_later_state(moment.time, node);
+        }
     }
 }

@@ -1,13 +1,38 @@
 //! Series over time in constant memory: a run's length is not known before it ends.
+//!
+//! Bins are first as narrow as the first of [`WIDTHS`]. When time runs over the last bin, as many
+//! neighbours are united as make the next width. Since each width is a multiple of the one before,
+//! and round times are multiples of one of them that is not much smaller, charts have bins of round
+//! widths.
 
-/// Number of bins in use at the end of a run: between this and twice as many.
-const BINS: usize = 360;
+use crate::html::numbers::round_time;
 
-/// Width of a bin at the start, in seconds.
-const FIRST_WIDTH: f64 = 1e-6;
+/// Maximum number of bins before neighbours are united, which leaves at least a 24th of them.
+const BINS: usize = 8192;
 
-/// Sums over equal bins of time. When time runs over the last bin, neighbours are united, so that
-/// there are never more than twice [`BINS`].
+/// Maximum number of bins of a curve.
+pub(super) const CURVE: usize = 480;
+
+/// Widths of bins in seconds. After the last, each is ten times the one before.
+const WIDTHS: [f64; 13] = [
+    1e-6, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0, 60.0, 600.0, 3600.0, 86_400.0, 864_000.0,
+];
+
+/// The width after this one, and how many bins become one.
+fn wider(width: f64) -> (f64, usize) {
+    let next = WIDTHS.into_iter().find(|next| *next > width * 1.5);
+    let next = next.unwrap_or(width * 10.0);
+    (next, (next / width).round() as usize)
+}
+
+/// How many bins of this width make one of a round width, so that up to `end` there are at most
+/// `most`; and that width.
+fn grouping(width: f64, end: f64, most: usize) -> (usize, f64) {
+    let round = round_time(end / most as f64, width);
+    ((round / width).round().max(1.0) as usize, round)
+}
+
+/// Sums over equal bins of time, at most [`BINS`].
 #[derive(Debug, Clone)]
 pub struct Sums {
     width: f64,
@@ -18,22 +43,17 @@ impl Sums {
     /// Creates bins that are all 0.
     pub fn new() -> Self {
         Self {
-            width: FIRST_WIDTH,
+            width: WIDTHS[0],
             sums: Vec::new(),
         }
-    }
-
-    /// Width of a bin in seconds.
-    pub fn width(&self) -> f64 {
-        self.width
     }
 
     /// Spreads an amount evenly over the time from `from` to `to`, in seconds. If that is no time,
     /// the amount belongs to the bin of that instant.
     pub fn spread(&mut self, from: f64, to: f64, amount: f64) {
         let (from, to) = (from.max(0.0), to.max(0.0));
-        while to >= self.width * (2 * BINS) as f64 {
-            self.double();
+        while to >= self.width * BINS as f64 {
+            self.widen();
         }
         let (first, last) = (self.bin(from), self.bin(to));
         if self.sums.len() <= last {
@@ -51,21 +71,24 @@ impl Sums {
         }
     }
 
-    /// The sums of the bins up to `end`, in seconds.
-    pub fn until(mut self, end: f64) -> Vec<f64> {
+    /// The sums up to `end`, in seconds, in at most `most` bins of a round width, and that width.
+    pub fn until(mut self, end: f64, most: usize) -> (Vec<f64>, f64) {
         let count = (end / self.width).ceil() as usize;
-        self.sums.resize(count.clamp(1, 2 * BINS + 1), 0.0);
-        self.sums
+        self.sums.resize(count.clamp(1, BINS + 1), 0.0);
+        let (each, width) = grouping(self.width, end, most);
+        let bins = self.sums.chunks(each);
+        (bins.map(|bin| bin.iter().sum()).collect(), width)
     }
 
     fn bin(&self, time: f64) -> usize {
         (time / self.width) as usize
     }
 
-    fn double(&mut self) {
-        self.width *= 2.0;
-        let pairs = self.sums.chunks(2);
-        self.sums = pairs.map(|pair| pair.iter().sum()).collect();
+    fn widen(&mut self) {
+        let (width, each) = wider(self.width);
+        self.width = width;
+        let bins = self.sums.chunks(each);
+        self.sums = bins.map(|bin| bin.iter().sum()).collect();
     }
 }
 
@@ -88,7 +111,7 @@ impl Steps {
             since: 0.0,
             areas: Sums::new(),
             maxima: Vec::new(),
-            maxima_width: FIRST_WIDTH,
+            maxima_width: WIDTHS[0],
         }
     }
 
@@ -102,23 +125,25 @@ impl Steps {
     /// Means and maxima of the bins up to `end`, and the width of a bin, in seconds.
     pub fn until(mut self, end: f64) -> Curve {
         self.advance(end);
-        let width = self.areas.width();
-        while self.maxima_width < width {
-            self.double();
+        let fine = self.areas.width;
+        while self.maxima_width < fine {
+            self.widen();
         }
-        let areas = self.areas.until(end);
-        let count = areas.len();
+        let (areas, width) = self.areas.until(end, CURVE);
+        let (each, _) = grouping(fine, end, CURVE);
+        let maxima = self.maxima.chunks(each);
+        let mut maxima: Vec<i64> = maxima.map(greatest).collect();
+        maxima.resize(areas.len(), 0);
         let means = areas.iter().enumerate().map(|(bin, area)| {
             let seconds = (end - bin as f64 * width).min(width);
             if seconds > 0.0 { area / seconds } else { 0.0 }
         });
         let means = means.collect();
-        self.maxima.resize(count, 0);
         Curve {
             width,
             end,
             means,
-            maxima: self.maxima,
+            maxima,
         }
     }
 
@@ -133,8 +158,8 @@ impl Steps {
 
     /// Takes the number into account in the maxima of these bins.
     fn touch(&mut self, from: f64, to: f64) {
-        while to >= self.maxima_width * (2 * BINS) as f64 {
-            self.double();
+        while to >= self.maxima_width * BINS as f64 {
+            self.widen();
         }
         let bin = |time: f64| (time / self.maxima_width) as usize;
         let (first, last) = (bin(from), bin(to));
@@ -146,13 +171,15 @@ impl Steps {
         }
     }
 
-    fn double(&mut self) {
-        self.maxima_width *= 2.0;
-        let pairs = self.maxima.chunks(2);
-        self.maxima = pairs
-            .map(|pair| pair.iter().copied().max().unwrap_or(0))
-            .collect();
+    fn widen(&mut self) {
+        let (width, each) = wider(self.maxima_width);
+        self.maxima_width = width;
+        self.maxima = self.maxima.chunks(each).map(greatest).collect();
     }
+}
+
+fn greatest(numbers: &[i64]) -> i64 {
+    numbers.iter().copied().max().unwrap_or(0)
 }
 
 /// A number over time, in bins.
@@ -168,18 +195,14 @@ pub struct Curve {
     pub maxima: Vec<i64>,
 }
 
-/// How often values fall into classes of equal width. When a value lies above the last class,
-/// neighbours are united.
+/// How often times fall into classes of equal width, at most [`BINS`].
 #[derive(Debug, Clone)]
 pub struct Histogram {
     width: f64,
     counts: Vec<u64>,
 }
 
-/// Maximum number of classes.
-const CLASSES: usize = 1024;
-
-/// Number of columns of a chart: at most this, and usually more than half of it.
+/// Maximum number of columns of a chart.
 const COLUMNS: usize = 48;
 
 /// Share of the values above which the end of a histogram is cut off, if it is long and thin.
@@ -188,7 +211,7 @@ const NEARLY_ALL: f64 = 0.99;
 /// The columns of a histogram.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
-    /// Width of a column, in the unit of the values.
+    /// Width of a column in seconds.
     pub width: f64,
     /// Number of values in each column, from 0 on.
     pub counts: Vec<u64>,
@@ -200,19 +223,20 @@ impl Histogram {
     /// Creates an empty histogram.
     pub fn new() -> Self {
         Self {
-            width: FIRST_WIDTH,
+            width: WIDTHS[0],
             counts: Vec::new(),
         }
     }
 
-    /// Counts a value that is not negative.
-    pub fn add(&mut self, value: f64) {
-        while value >= self.width * CLASSES as f64 {
-            self.width *= 2.0;
-            let pairs = self.counts.chunks(2);
-            self.counts = pairs.map(|pair| pair.iter().sum()).collect();
+    /// Counts a time in seconds that is not negative.
+    pub fn add(&mut self, seconds: f64) {
+        while seconds >= self.width * BINS as f64 {
+            let (width, each) = wider(self.width);
+            self.width = width;
+            let classes = self.counts.chunks(each);
+            self.counts = classes.map(|class| class.iter().sum()).collect();
         }
-        let class = (value / self.width) as usize;
+        let class = (seconds / self.width) as usize;
         if self.counts.len() <= class {
             self.counts.resize(class + 1, 0);
         }
@@ -233,11 +257,11 @@ impl Histogram {
         } else {
             self.counts.len()
         };
-        let united = shown.div_ceil(COLUMNS).max(1);
+        let (united, width) = grouping(self.width, shown as f64 * self.width, COLUMNS);
         let shown = (shown.div_ceil(united) * united).min(self.counts.len());
         let columns = self.counts[..shown].chunks(united);
         Columns {
-            width: self.width * united as f64,
+            width,
             counts: columns.map(|column| column.iter().sum()).collect(),
             beyond: self.counts[shown..].iter().sum(),
         }
@@ -256,12 +280,39 @@ mod tests {
             sums.spread(start, start + 0.5, 2.0);
         }
         sums.spread(3.0, 3.0, 5.0);
-        let width = sums.width();
-        let bins = sums.until(7000.0);
-        assert!((BINS..=2 * BINS).contains(&bins.len()));
+        let (bins, width) = sums.until(7000.0, CURVE);
+        // 7000 s in at most 480 bins.
+        assert_eq!((bins.len(), width), (467, 15.0));
         assert!((bins.iter().sum::<f64>() - 20_005.0).abs() < 1e-6);
         // 2 in each 0.7 s.
         assert!((bins[100] / width - 2.0 / 0.7).abs() < 0.1);
+    }
+
+    /// Bins of curves and columns of histograms have round widths, for runs of any length.
+    #[test]
+    fn widths_are_round() {
+        for (end, bin, column) in [
+            (0.9, 0.002, 0.02),
+            (100.0, 0.5, 5.0),
+            (3600.0, 10.0, 120.0),
+            (86_400.0, 300.0, 1800.0),
+            (604_800.0, 1800.0, 14_400.0),
+            (31_536_000.0, 86_400.0, 1_209_600.0),
+        ] {
+            let (mut sums, mut histogram) = (Sums::new(), Histogram::new());
+            for part in 0..1000 {
+                let time = f64::from(part) * end / 1000.0;
+                sums.spread(time, time, 1.0);
+                histogram.add(time);
+            }
+            let (bins, width) = sums.until(end, CURVE);
+            assert!((width / bin - 1.0).abs() < 1e-9, "{end}: {width}");
+            assert!(bins.len() <= CURVE && bins.len() > CURVE / 4, "{end}");
+            let columns = histogram.columns();
+            let width = columns.width;
+            assert!((width / column - 1.0).abs() < 1e-9, "{end}: {width}");
+            assert_eq!(columns.counts.iter().sum::<u64>(), 1000);
+        }
     }
 
     #[test]

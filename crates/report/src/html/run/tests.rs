@@ -75,7 +75,7 @@ impl Recorded {
             traces: std::slice::from_ref(&self.trace),
             intervals: None,
             recorder: &self.recorder,
-            comparison: None,
+            comparisons: &[],
             set: &NO_NUMBERS,
             origin: Origin {
                 command: "linewright run line.lw",
@@ -130,7 +130,7 @@ fn the_figures_are_those_of_the_run() {
                 .flow
                 .iter()
                 .filter(|((from, _), _)| *from == station.node);
-            let left: u64 = left.map(|(_, count)| count).sum();
+            let left: u64 = left.flat_map(|(_, counts)| counts).sum();
             assert!(left.abs_diff(station.processed) <= 1, "{}", station.name);
         }
         if trace.warm_up <= 0.0 {
@@ -164,22 +164,182 @@ fn the_figures_are_those_of_the_run() {
     }
 }
 
+fn for_hours(hours: f64) -> Options {
+    Options {
+        until: Some(hours * 3600.0),
+        ..Options::default()
+    }
+}
+
+fn assert_contains(text: &str, all: &[&str]) {
+    for wanted in all {
+        assert!(text.contains(wanted), "{wanted}");
+    }
+}
+
+/// The filler is starved for an eighth of its time on shift, so it is the supply that limits the
+/// line. Products and rejects have their names, durations their units, and times their weekdays.
 #[test]
 fn the_conclusion_is_in_words() {
-    let bottling = recorded(
-        BOTTLING,
-        Options {
-            until: Some(86_400.0),
-            ..Options::default()
-        },
+    let text = recorded(BOTTLING, for_hours(24.0)).written();
+    assert_contains(
+        &text,
+        &[
+            "1 d simulated",
+            "In this one run, the line made 294 products (189 WaterPallet, 105 JuicePallet), 12.2 an hour; half of them were in it for less than 6 min 28 s. The supply from water and juice limits it, not filler, which waits for parts for 11.9 % of its time on shift. All requirements hold. No contract was violated. One run has no confidence interval: add <code class=\"option\">--replications 10</code> to get one.",
+            "189 WaterPallet, 105 JuicePallet; 21 Water, 14 Juice rejected",
+            "availability 69.6 % (busy share of its time on shift)",
+            "Availability is that of ISO 22400-2: actual production time by planned busy time",
+            "filler off shift: 29.2 %",
+            ">Mon</text>",
+            ">12:00</text>",
+            "<td class=\"verdict good\">holds</td>",
+            "rejected parts &lt;= 1,000",
+            "Each column is 2 min wide.",
+            "Products an hour, in bins of 30 min.",
+            "the mean of each 5 min",
+        ],
     );
-    let text = bottling.written();
-    for sentence in [
-        "The line makes 12.2 products an hour; half of them are in it for less than",
-        "filler limits it. All requirements hold. No contract was violated.",
-    ] {
-        assert!(text.contains(sentence), "{sentence}");
+    assert!(!text.contains("idle</"));
+}
+
+/// With replications, every figure of the conclusion and of the tiles is of all runs.
+#[test]
+fn the_conclusion_of_replications_is_of_all_runs() {
+    let run = recorded(BOTTLING, for_hours(24.0));
+    let mut plant = Plant::new(Arc::clone(&run.line), BTreeMap::new(), for_hours(24.0)).unwrap();
+    let (traces, replications) = plant.replicate(3);
+    let page_of_runs = Page {
+        traces: &traces,
+        intervals: Some(Intervals::Replications(&replications)),
+        ..run.page()
+    };
+    let text = page(&page_of_runs);
+    let mean = |value: fn(&Trace) -> f64| traces.iter().map(value).sum::<f64>() / 3.0;
+    let median = linewright_line::trace::duration_in_units(mean(|trace| trace.lead_time.p50));
+    let products = crate::html::numbers::figure(mean(|trace| trace.products as f64));
+    assert_contains(
+        &text,
+        &[
+            "In 3 runs, the line made ",
+            &format!("products an hour; the mean of the runs' median lead times is {median}."),
+            "In all of them, the supply from water and juice, for which filler waits, limits it.",
+            &format!("<dd>{products}</dd>"),
+            "mean of 3 runs, ± ",
+            "of contracts, in 3 runs",
+        ],
+    );
+    assert!(!text.contains("One run has no"));
+}
+
+/// The line as it is and two variants, in one chart and one table.
+#[test]
+fn variants_are_side_by_side() {
+    let replicated = |filling: &str| {
+        let text = BOTTLING.replace("triangular(2 s, 2.2 s, 3 s)", filling);
+        let run = recorded(&text, for_hours(8.0));
+        let mut plant = Plant::new(Arc::clone(&run.line), BTreeMap::new(), for_hours(8.0)).unwrap();
+        (plant.replicate(3), run)
+    };
+    let ((traces, replications), run) = replicated("triangular(2 s, 2.2 s, 3 s)");
+    let others = ["constant(2 s)", "constant(4 s)"].map(|filling| replicated(filling).0.0);
+    let differences = others
+        .each_ref()
+        .map(|other| linewright_line::comparison::compare(&traces, other));
+    let variants = ["fast", "slow"].map(|name| Variant {
+        name: name.to_owned(),
+        speeds: [("filler".to_owned(), 1.25)].into(),
+        ..Variant::default()
+    });
+    let compared: Vec<Compared<'_>> = (0..2)
+        .map(|number| Compared {
+            variant: &variants[number],
+            traces: &others[number],
+            comparisons: &differences[number],
+        })
+        .collect();
+    let text = page(&Page {
+        traces: &traces,
+        intervals: Some(Intervals::Replications(&replications)),
+        comparisons: &compared,
+        ..run.page()
+    });
+    let of_measure = |line: &str| {
+        format!("<th scope=\"row\">throughput per hour</th><td>{line}</td><td class=\"number\">")
+    };
+    assert_contains(
+        &text,
+        &[
+            "<strong>fast</strong>: what if filler works 25 % faster?",
+            ">throughput per hour, fast</text>",
+            ">throughput per hour, slow</text>",
+            &of_measure("as it is"),
+            &of_measure("fast"),
+            &of_measure("slow"),
+            "Where the time goes, slow",
+            "<th scope=\"row\">mean lead time</th>",
+        ],
+    );
+}
+
+#[test]
+fn a_line_of_one_product_names_it() {
+    let text = "line L { part P source s: P every 5 s station a { takes 1 s } station b { takes 1 s } sink out
+        route P: s -> a, b route P: a -> out route P: b -> out limit 3000 products }";
+    let text = recorded(text, Options::default()).written();
+    assert_contains(
+        &text,
+        &[
+            "the line made 3,000 P, ",
+            "<dd>3,000 P</dd>",
+            "The supply from s limits it: no part had to wait there.",
+            "b not used: 100.0 %",
+        ],
+    );
+    // Without a calendar, time is that since the start.
+    assert!(text.contains(">1 h</text>") && !text.contains(">Mon</text>"));
+}
+
+/// What entered the line is what left it or is still there, for each type; flow into a sink for
+/// rejects and parts taken out elsewhere are apart.
+#[test]
+fn the_flow_sums_up_to_what_was_created() {
+    for run in runs() {
+        let types = 0..run.line.parts.len();
+        let balances: Vec<_> = types.map(|kind| run.recorder.balance(kind)).collect();
+        let sum = |of: fn(&recorder::Balance) -> u64| balances.iter().map(of).sum::<u64>();
+        for balance in &balances {
+            assert_eq!(
+                balance.before + balance.entered,
+                balance.finished
+                    + balance.rejected
+                    + balance.scrapped
+                    + balance.joined
+                    + balance.remaining
+            );
+        }
+        let parts = run.trace.parts;
+        assert_eq!(sum(|of| of.before), parts.before);
+        assert_eq!(sum(|of| of.entered), parts.entered);
+        assert_eq!(sum(|of| of.finished), parts.finished);
+        assert_eq!(sum(|of| of.rejected + of.scrapped), parts.rejected);
+        assert_eq!(sum(|of| of.joined), parts.consumed);
+        assert_eq!(sum(|of| of.remaining), parts.in_progress);
+        let taken_out: u64 = run.recorder.scrapped.values().flatten().sum();
+        assert_eq!(taken_out, sum(|of| of.scrapped));
     }
+    let text = recorded(BOTTLING, for_hours(24.0)).written();
+    assert_contains(
+        &text,
+        &[
+            ">camera to scrap</text>",
+            ">taken out at labeller</text>",
+            "<title>camera to scrap: ",
+            "<td>taken out: scrapped, expired or refused</td>",
+            "<h3>First-pass yield</h3>",
+            "parts that were only bought and joined do not count",
+        ],
+    );
 }
 
 #[test]
@@ -206,6 +366,13 @@ fn the_columns_for_the_script_are_those_of_the_log() {
             }
         }
         assert!(moves.next().is_none());
+        // The violations, as times of refusals.
+        for (node, times) in run.recorder.refusals.iter().enumerate() {
+            let of_log = run.log.violations.iter().filter(|v| v.node == node);
+            let mut of_log: Vec<f64> = of_log.map(|violation| violation.time).collect();
+            of_log.dedup();
+            assert_eq!(*times, of_log);
+        }
         // The time in each state, up to the rounding of each change.
         for station in &run.trace.stations {
             let states = columns.states[station.node].as_ref().unwrap();
@@ -236,6 +403,38 @@ fn the_columns_for_the_script_are_those_of_the_log() {
             }
         }
     }
+}
+
+/// A week has more changes of state than the timeline has room for. After them, it shows their
+/// shares, so that each row goes to the end.
+#[test]
+fn the_timeline_of_a_long_run_goes_to_its_end() {
+    let run = recorded(BOTTLING, for_hours(7.0 * 24.0));
+    let end = run.recorder.states_end.expect("more changes than room");
+    assert!(end < run.recorder.end / 2.0);
+    for station in &run.trace.stations {
+        let (bins, width) = run.recorder.later_states(station.node).unwrap();
+        let seconds: f64 = bins.iter().flatten().sum();
+        assert_near(seconds, run.recorder.end - end, &station.name);
+        let first = (end / width) as usize;
+        assert!(
+            bins[..first]
+                .iter()
+                .flatten()
+                .all(|seconds| *seconds == 0.0)
+        );
+        assert!(
+            bins[first..]
+                .iter()
+                .all(|bin| bin.iter().sum::<f64>() > 0.0)
+        );
+    }
+    let text = run.written();
+    assert!(text.len() < 2_000_000, "{} bytes", text.len());
+    assert_contains(
+        &text,
+        &["too many changes: the rows show the shares of the states in each 30 min."],
+    );
 }
 
 #[test]

@@ -1,12 +1,13 @@
 //! Violations, and what is needed to make the run again.
 
 use super::super::Page;
+use super::super::moments::Moments;
 use super::first;
 use crate::html::numbers::count;
 use crate::html::parts::{origin, section, table, table_of};
 use linewright_core::gr1::Formula;
 use linewright_line::Trace;
-use linewright_line::trace::{Violation, duration};
+use linewright_line::trace::Violation;
 use maud::{Markup, html};
 
 /// Number of violations that the table shows.
@@ -28,6 +29,7 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
             None => kinds.push((violation, 1, violation.time)),
         }
     }
+    let moments = Moments::of(page.line);
     let is_cut = (trace.violations.len() as u64) < trace.violation_count;
     let shown = trace.violations.len().min(SHOWN_VIOLATIONS);
     let inside = html! {
@@ -37,8 +39,8 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
         }
         (table_of("Table of violations", &["First", "Last", "Number", "Place", "Rule", "What happened first"], &html! {
             @for (first, number, last) in &kinds { tr {
-                th scope="row" { (jump(first.time)) }
-                td { (jump(*last)) }
+                th scope="row" { (jump(moments, first.time)) }
+                td { (jump(moments, *last)) }
                 td.number { (count(*number)) }
                 td { (page.line.nodes[first.node].name) }
                 td { (rule(page, first)) }
@@ -46,10 +48,10 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
             } }
         }))
         details {
-            summary { "Show the first " (shown) }
+            summary { "Show the first " (count(shown as u64)) }
             (table_of("Table of violations", &["Time", "Place", "Part", "What happened"], &html! {
                 @for violation in &trace.violations[..shown] { tr {
-                    th scope="row" { (jump(violation.time)) }
+                    th scope="row" { (jump(moments, violation.time)) }
                     td { (page.line.nodes[violation.node].name) }
                     td { (part(page, violation)) }
                     td { (violation.message) }
@@ -61,8 +63,8 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
 }
 
 /// A button that goes to a moment of the run.
-fn jump(seconds: f64) -> Markup {
-    html! { button.jump type="button" data-time=(seconds) { (duration(seconds)) } }
+fn jump(moments: Moments, seconds: f64) -> Markup {
+    html! { button.jump type="button" data-time=(seconds) { (moments.instant(seconds)) } }
 }
 
 fn part(page: &Page<'_>, violation: &Violation) -> String {

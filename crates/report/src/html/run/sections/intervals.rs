@@ -1,29 +1,22 @@
 //! Confidence intervals of replications and batches, and the comparison with a variant.
 
 use super::super::charts::{Range, signed};
-use super::super::{Page, charts};
+use super::super::{Compared, Page, charts};
 use super::first;
 use super::operation::shares;
 use crate::html::numbers::figure;
 use crate::html::parts::{behind, section, table};
 use crate::{Intervals, Variant};
 use linewright_language::contract::metric::Measure;
-use linewright_line::trace::End;
+use linewright_line::comparison::{COMPARED, Comparison};
+use linewright_line::trace::{End, duration_in_units};
 use linewright_line::{Estimate, Trace};
 use maud::{Markup, html};
 
 /// The estimate of a measure over replications or batches.
 pub(super) fn estimate(page: &Page<'_>, measure: Measure) -> Option<Estimate> {
     match page.intervals? {
-        Intervals::Replications(runs) => match measure {
-            Measure::Throughput => runs.throughput_per_hour,
-            Measure::LeadTime => runs.lead_time,
-            Measure::LeadTimeP95 => runs.lead_time_p95,
-            Measure::Wip => runs.wip,
-            Measure::Makespan => runs.makespan,
-            Measure::Energy => runs.energy_kwh,
-            _ => None,
-        },
+        Intervals::Replications(_) => Estimate::of(&of_runs(measure, page.traces)),
         Intervals::Batches(batches) => {
             let mut estimates = batches.estimates.iter();
             estimates.find(|e| e.measure == measure)?.value
@@ -31,21 +24,50 @@ pub(super) fn estimate(page: &Page<'_>, measure: Measure) -> Option<Estimate> {
     }
 }
 
+/// Mean of a figure over all runs that have one.
+pub(super) fn mean_of_runs(page: &Page<'_>, figure: impl Fn(&Trace) -> Option<f64>) -> Option<f64> {
+    let values: Vec<f64> = page.traces.iter().filter_map(figure).collect();
+    Estimate::of(&values).map(|estimate| estimate.mean)
+}
+
 /// A mean with its interval, as text.
 pub(super) fn interval(estimate: Option<Estimate>) -> String {
+    interval_with(estimate, figure)
+}
+
+/// A mean with its interval, with its numbers in this format.
+fn interval_with(estimate: Option<Estimate>, show: impl Fn(f64) -> String) -> String {
     let Some(Estimate { mean, half_width }) = estimate else {
         return "-".to_owned();
     };
     match half_width {
         Some(half) => format!(
             "{} ({} to {})",
-            figure(mean),
-            figure(mean - half),
-            figure(mean + half)
+            show(mean),
+            show(mean - half),
+            show(mean + half)
         ),
-        None => figure(mean),
+        None => show(mean),
     }
 }
+
+/// The name of a measure; that of a time in seconds without its unit, which its values have.
+fn name_of(measure: Measure) -> &'static str {
+    let label = measure.info().label;
+    label.strip_suffix(SECONDS).unwrap_or(label)
+}
+
+/// A value of a measure, or a difference of two: times with their units.
+fn value_of(measure: Measure, value: f64) -> String {
+    if !measure.info().label.ends_with(SECONDS) {
+        return figure(value);
+    }
+    let sign = if value < 0.0 { "-" } else { "" };
+    format!("{sign}{}", duration_in_units(value.abs()))
+}
+
+/// The unit in the names of times.
+const SECONDS: &str = " in s";
 
 pub(super) fn replications(page: &Page<'_>) -> Markup {
     const SHOWN: [Measure; 6] = [
@@ -85,7 +107,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
             let (mean, half) = (estimate.mean, estimate.half_width.unwrap_or(0.0));
             let of_mean = |value: f64| value / mean - 1.0;
             (mean != 0.0).then(|| Range {
-                name: measure.info().label.to_owned(),
+                name: name_of(*measure).to_owned(),
                 low: of_mean(mean - half),
                 mean: 0.0,
                 high: of_mean(mean + half),
@@ -95,7 +117,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
                     let values = of_runs(*measure, page.traces);
                     values.into_iter().map(of_mean).collect()
                 },
-                text: interval(Some(estimate)),
+                text: interval_with(Some(estimate), |value| value_of(*measure, value)),
             })
         })
         .collect();
@@ -106,16 +128,14 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
             let cells = SHOWN.iter().map(|measure| {
                 of_runs(*measure, std::slice::from_ref(trace))
                     .first()
-                    .map_or("-".to_owned(), |v| figure(*v))
+                    .map_or("-".to_owned(), |value| value_of(*measure, *value))
             });
             std::iter::once(trace.seed.to_string())
                 .chain(cells)
                 .collect()
         })
         .collect();
-    let headings: Vec<&str> = std::iter::once("Seed")
-        .chain(SHOWN.map(|m| m.info().label))
-        .collect();
+    let headings: Vec<&str> = std::iter::once("Seed").chain(SHOWN.map(name_of)).collect();
     let inside = html! {
         p { (about) }
         (charts::ranges(heading, &ranges))
@@ -134,62 +154,109 @@ fn of_runs(measure: Measure, traces: &[Trace]) -> Vec<f64> {
 }
 
 pub(super) fn comparison(page: &Page<'_>) -> Markup {
-    let Some(compared) = page.comparison else {
+    let variants = page.comparisons;
+    if variants.is_empty() {
         return html! {};
-    };
-    let shown = compared
-        .comparisons
-        .iter()
-        .filter(|c| c.as_it_is != 0.0 || c.what_if != 0.0);
-    let ranges: Vec<Range> = shown
-        .clone()
-        .filter(|c| c.as_it_is != 0.0)
-        .map(|c| {
-            let half = c.difference.half_width.unwrap_or(0.0) / c.as_it_is.abs();
-            let mean = c.difference.mean / c.as_it_is.abs();
-            Range {
-                name: c.measure.info().label.to_owned(),
-                low: mean - half,
-                mean,
-                high: mean + half,
-                values: Vec::new(),
-                text: format!(
-                    "{} ({} to {})",
-                    signed(mean),
-                    signed(mean - half),
-                    signed(mean + half)
-                ),
-            }
-        })
+    }
+    let labels: Vec<&str> = variants.iter().map(|of| of.variant.label()).collect();
+    let ranges: Vec<Range> = COMPARED
+        .into_iter()
+        .flat_map(|measure| of_measure(variants, measure))
+        .filter(|(_, compared)| compared.as_it_is != 0.0)
+        .map(|(variant, compared)| range(compared, labels[variant], variants.len() > 1))
         .collect();
-    let rows: Vec<Vec<String>> = shown
-        .map(|c| {
-            let significant = match c.is_significant() {
-                Some(true) => "yes",
-                Some(false) => "no",
-                None => "-",
-            };
-            vec![
-                c.measure.info().label.to_owned(),
-                figure(c.as_it_is),
-                figure(c.what_if),
-                interval(Some(c.difference)),
-                significant.to_owned(),
-            ]
-        })
+    let rows: Vec<Vec<String>> = COMPARED
+        .into_iter()
+        .flat_map(|measure| measure_rows(variants, &labels, measure))
         .collect();
     let inside = html! {
-        p { "What if " (changes(compared.variant)) "? Both lines were run with the same random seeds. The chart shows the differences in percent of the line as it is, with their paired 95 % confidence intervals." }
+        @for compared in variants { p {
+            @if variants.len() > 1 { strong { (compared.variant.label()) } ": what" } @else { "What" }
+            " if " (changes(compared.variant)) "?"
+        } }
+        p { "All lines were run with the same random seeds. The chart shows the differences in percent of the line as it is, with their paired 95 % confidence intervals." }
         (charts::ranges("Differences", &ranges))
-        (table(&["Measure", "As it is", "What if", "Difference", "Significant at 95 %"], &rows))
-        @if let Some(other) = compared.traces.first() {
-            h3 { "Where the time goes, as it is" }
-            (shares(&first(page).stations))
-            h3 { "Where the time goes, what if" }
+        (table(&["Measure", "Line", "Mean", "Difference from the line as it is", "More than noise"], &rows))
+        h3 { "Where the time goes, as it is" }
+        (shares(&first(page).stations))
+        @for compared in variants { @if let Some(other) = compared.traces.first() {
+            h3 { "Where the time goes, " (compared.variant.label()) }
             (shares(&other.stations))
-        }
+        } }
     };
     section("comparison", "Comparison", &inside)
+}
+
+/// The comparisons of a measure, with the number of the variant of each. Measures that are 0
+/// everywhere are left out.
+fn of_measure<'a>(variants: &'a [Compared<'a>], measure: Measure) -> Vec<(usize, &'a Comparison)> {
+    let variants = variants.iter().enumerate();
+    let all: Vec<(usize, &Comparison)> = variants
+        .flat_map(|(variant, of)| of.comparisons.iter().map(move |c| (variant, c)))
+        .filter(|(_, compared)| compared.measure == measure)
+        .collect();
+    if all
+        .iter()
+        .all(|(_, c)| c.as_it_is == 0.0 && c.what_if == 0.0)
+    {
+        return Vec::new();
+    }
+    all
+}
+
+fn range(compared: &Comparison, label: &str, are_several: bool) -> Range {
+    let half = compared.difference.half_width.unwrap_or(0.0) / compared.as_it_is.abs();
+    let mean = compared.difference.mean / compared.as_it_is.abs();
+    let measure = name_of(compared.measure);
+    Range {
+        name: if are_several {
+            format!("{measure}, {label}")
+        } else {
+            measure.to_owned()
+        },
+        low: mean - half,
+        mean,
+        high: mean + half,
+        values: Vec::new(),
+        text: format!(
+            "{} ({} to {})",
+            signed(mean),
+            signed(mean - half),
+            signed(mean + half)
+        ),
+    }
+}
+
+/// The rows of a measure: the line as it is, then each variant.
+fn measure_rows(variants: &[Compared<'_>], labels: &[&str], measure: Measure) -> Vec<Vec<String>> {
+    let all = of_measure(variants, measure);
+    let Some((_, one)) = all.first() else {
+        return Vec::new();
+    };
+    let row = |line: &str, mean: f64, difference: String, is_significant: &str| {
+        vec![
+            name_of(measure).to_owned(),
+            line.to_owned(),
+            value_of(measure, mean),
+            difference,
+            is_significant.to_owned(),
+        ]
+    };
+    let mut rows = vec![row("as it is", one.as_it_is, String::new(), "")];
+    for (variant, compared) in all {
+        let is_significant = match compared.is_significant() {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "-",
+        };
+        rows.push(row(
+            labels[variant],
+            compared.what_if,
+            interval_with(Some(compared.difference), |value| value_of(measure, value)),
+            is_significant,
+        ));
+    }
+    rows
 }
 
 fn changes(variant: &Variant) -> String {

@@ -1,5 +1,6 @@
 //! The sections of a page, from top to bottom.
 
+mod conclusion;
 mod evidence;
 mod intervals;
 mod operation;
@@ -8,10 +9,13 @@ mod summary;
 
 use super::picture::Picture;
 use super::{Page, state_class};
+use crate::html::numbers::count;
 use evidence::{model, violations};
 use intervals::{comparison, replications};
+use linewright_language::contract::line::Line;
 use linewright_line::Trace;
 use linewright_line::log::Activity;
+use linewright_line::trace::StationStatistics;
 use maud::{Markup, html};
 use operation::{animation, stations, timeline};
 use quantities::{energy, flow, lead_times, queues};
@@ -24,8 +28,18 @@ const STATES: [(Activity, &str); 6] = [
     (Activity::Failed, "failed"),
     (Activity::Blocked, "blocked"),
     (Activity::Starved, "starved"),
-    (Activity::Idle, "idle"),
+    (Activity::Idle, "off shift or not used"),
 ];
+
+/// What the last of the [`STATES`] means at a station: whether it was off shift, or whether no part
+/// ever came.
+fn idle_name(station: &StationStatistics) -> &'static str {
+    if station.processed == 0 && station.shares.idle >= 1.0 {
+        "not used"
+    } else {
+        "off shift"
+    }
+}
 
 pub(super) fn all(page: &Page<'_>, picture: &Picture) -> Markup {
     html! {
@@ -48,14 +62,77 @@ pub(super) fn all(page: &Page<'_>, picture: &Picture) -> Markup {
     }
 }
 
+/// Number of end products of each type, in the order of the line's part types.
+fn made(line: &Line, trace: &Trace) -> Vec<(usize, u64)> {
+    match line.only_product() {
+        Some(product) => vec![(product, trace.products)],
+        None => trace
+            .by_type
+            .iter()
+            .map(|product| (product.part, product.products))
+            .collect(),
+    }
+}
+
+/// Numbers of parts as text: `50 Toy`, or `120 products (80 Bottle, 40 Can)`.
+fn counted(line: &Line, numbers: &[(usize, u64)]) -> String {
+    let each = numbers
+        .iter()
+        .map(|(kind, number)| format!("{} {}", count(*number), line.parts[*kind].name));
+    let each = each.collect::<Vec<_>>().join(", ");
+    if numbers.len() == 1 {
+        return each;
+    }
+    let total = numbers.iter().map(|(_, number)| number).sum();
+    format!("{} products ({each})", count(total))
+}
+
 fn first<'a>(page: &Page<'a>) -> &'a Trace {
     &page.traces[0]
 }
 
 fn legend() -> Markup {
+    legend_with(&html! {})
+}
+
+/// The legend of the states, and more entries.
+fn legend_with(more: &Markup) -> Markup {
     html! {
-        ul.legend aria-label="States" { @for (state, name) in STATES {
-            li { svg.key viewBox="0 0 16 16" aria-hidden="true" { rect class=(state_class(state)) width="16" height="16" {} } (name) }
-        } }
+        ul.legend aria-label="States" {
+            @for (state, name) in STATES {
+                li { svg.key viewBox="0 0 16 16" aria-hidden="true" { rect class=(state_class(state)) width="16" height="16" {} } (name) }
+            }
+            (more)
+        }
     }
+}
+
+/// The legend of the part types, and more entries.
+fn parts_legend(page: &Page<'_>, more: &Markup) -> Markup {
+    html! {
+        ul.legend aria-label="Parts" {
+            @for (index, part) in page.line.parts.iter().enumerate() {
+                li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { (part_shape(index)) } (part.name) }
+            }
+            (more)
+        }
+    }
+}
+
+/// The shape of a part of this type: shape and colour tell types apart.
+fn part_shape(index: usize) -> Markup {
+    let class = part_class(index);
+    html! {
+        @match index % 4 {
+            0 => circle class=(class) r="5" {},
+            1 => rect class=(class) x="-4.5" y="-4.5" width="9" height="9" {},
+            2 => path class=(class) d="M0 -6L6 4.5H-6Z" {},
+            _ => path class=(class) d="M0 -6L6 0L0 6L-6 0Z" {},
+        }
+    }
+}
+
+/// The classes of the style sheet for a part of this type.
+fn part_class(index: usize) -> String {
+    format!("part part{}", index % 6)
 }

@@ -1,15 +1,16 @@
 //! What the stations do: the picture that plays the run, shares of states, and the timeline.
 
 use super::super::charts::{Bar, Piece};
+use super::super::moments::Moments;
 use super::super::picture::Picture;
 use super::super::{Page, charts, state_class};
-use super::{STATES, first, legend};
+use super::{STATES, first, idle_name, legend, legend_with, part_shape, parts_legend};
 use crate::html::numbers::{count, percent};
 use crate::html::parts::{behind, section, table};
 use crate::table::bottleneck;
 use linewright_language::contract::line::declared_name;
-use linewright_line::Bottleneck;
-use linewright_line::trace::{StationStatistics, WaitKind, duration};
+use linewright_line::log::Activity;
+use linewright_line::trace::{StationStatistics, WaitKind, duration_in_units};
 use maud::{Markup, html};
 
 pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
@@ -27,12 +28,13 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
             input #time type="range" min="0" max="1000" value="0" step="any" aria-label="Time of the run";
             svg #marks viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true" {}
         }
-        div.scroll.picture tabindex="0" role="group" aria-label="Picture" { (picture.draw(page.line, &page.recorder.flow)) }
+        div.scroll.picture tabindex="0" role="group" aria-label="Picture" { (picture.draw(page.line, page.recorder)) }
         p #status role="status" { "Point at a place, or move the focus to it, to see what it does." }
         (legend())
-        ul.legend aria-label="Parts" { @for (index, part) in page.line.parts.iter().enumerate() {
-            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { (part_shape(index)) } (part.name) }
-        } }
+        (parts_legend(page, &html! {
+            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "pale: where a part has just come from" }
+        }))
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number beside a place is that of the parts in it. Of more than 14, some are drawn and the rest is a number. While the run plays, a pale copy on the arrow shows the way of a part that has just moved." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())
@@ -40,19 +42,6 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
         p.hint #cut {}
     };
     section("line-section", "The line", &inside)
-}
-
-/// The shape of a part of this type: shape and colour tell types apart.
-fn part_shape(index: usize) -> Markup {
-    let class = format!("part part{}", index % 6);
-    html! {
-        @match index % 4 {
-            0 => circle class=(class) r="5" {},
-            1 => rect class=(class) x="-4.5" y="-4.5" width="9" height="9" {},
-            2 => path class=(class) d="M0 -6L6 4.5H-6Z" {},
-            _ => path class=(class) d="M0 -6L6 0L0 6L-6 0Z" {},
-        }
-    }
 }
 
 /// Patterns by which states can be distinguished without colours.
@@ -70,6 +59,15 @@ fn patterns() -> Markup {
                 path.hatch d=(path) {}
             }
         }
+    }
+}
+
+/// The name of one of the [`STATES`] of a station.
+fn name_of(station: &StationStatistics, state: Activity, name: &'static str) -> &'static str {
+    if state == Activity::Idle {
+        idle_name(station)
+    } else {
+        name
     }
 }
 
@@ -95,9 +93,14 @@ pub(super) fn shares(stations: &[StationStatistics]) -> Markup {
                 .into_iter()
                 .zip(STATES)
                 .map(|(value, (state, name))| Piece {
-                    class: state_class(state),
+                    class: state_class(state).to_owned(),
                     value,
-                    title: format!("{} {name}: {}", station.name, percent(value)),
+                    title: format!(
+                        "{} {}: {}",
+                        station.name,
+                        name_of(station, state, name),
+                        percent(value)
+                    ),
                 })
                 .collect(),
             total: percent(station.shares.busy),
@@ -126,7 +129,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
             row.push(
                 station
                     .work_time
-                    .map_or("-".to_owned(), |work| duration(work.seconds)),
+                    .map_or("-".to_owned(), |work| duration_in_units(work.seconds)),
             );
             row.extend(match &station.oee {
                 Some(oee) => [
@@ -147,7 +150,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
     headings.extend([
         "Work a part",
         "OEE",
-        "Availability",
+        "Availability (ISO 22400-2)",
         "Effectiveness",
         "Quality",
         "Scrapped",
@@ -187,10 +190,10 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
     section("stations", "Where the time goes", &inside)
 }
 
-/// The time of the bottleneck by state, in shares and as a duration.
+/// The time of the busiest station by state, in shares and as a duration.
 fn losses(page: &Page<'_>) -> Markup {
     let trace = first(page);
-    let Bottleneck::Station(candidate) = &trace.bottleneck else {
+    let Some(candidate) = trace.bottleneck.busiest() else {
         return html! {};
     };
     let mut stations = trace.stations.iter();
@@ -199,12 +202,17 @@ fn losses(page: &Page<'_>) -> Markup {
     };
     let counted = trace.seconds - trace.warm_up;
     let rows = of_states(station).into_iter().zip(STATES);
-    let rows = rows
-        .map(|(share, (_, name))| vec![name.to_owned(), percent(share), duration(share * counted)]);
+    let rows = rows.map(|(share, (state, name))| {
+        vec![
+            name_of(station, state, name).to_owned(),
+            percent(share),
+            duration_in_units(share * counted),
+        ]
+    });
     html! {
         p { "The time of " (station.name) " by state:" }
         (table(&["State", "Share", "Time"], &rows.collect::<Vec<_>>()))
-        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is the busy share of the time on shift, so waiting and failures lower it." }
+        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower." }
     }
 }
 
@@ -212,8 +220,18 @@ pub(super) fn timeline(page: &Page<'_>) -> Markup {
     if first(page).stations.is_empty() {
         return html! {};
     }
+    let later = page.recorder.states_end.and_then(|end| {
+        let node = first(page).stations.first()?.node;
+        let (_, width) = page.recorder.later_states(node)?;
+        let end = Moments::of(page.line).instant(end);
+        Some((end, duration_in_units(width)))
+    });
+    let has_refusals = page.recorder.refusals.iter().any(|times| !times.is_empty());
     let inside = html! {
         p { "Drag to move, turn the wheel or press + and − to zoom, 0 to see all. A click sets the time of the picture above. Where states are too short to be seen, the height of each colour is its share." }
+        @if let Some((end, width)) = later {
+            p { "From " (end) " on, there were too many changes: the rows show the shares of the states in each " (width) "." }
+        }
         div.controls role="group" aria-label="Zoom" {
             button #zoom-in type="button" { "Zoom in" }
             button #zoom-out type="button" { "Zoom out" }
@@ -224,7 +242,10 @@ pub(super) fn timeline(page: &Page<'_>) -> Markup {
             canvas #gantt tabindex="0" role="img" aria-label="States of the stations over time. Shares are in the table of the section before." {}
             div #cursor {}
         }
-        (legend())
+        (legend_with(&html! { @if has_refusals {
+            li { svg.key viewBox="0 0 16 16" aria-hidden="true" { path.refusal d="M2 2H14L8 14Z" {} } "refused" }
+        } }))
+        @if has_refusals { p.hint { "A station or conveyor refuses a part, or a command, if its contract does not allow it. This takes no time, so it is a mark on the row and not a state." @if page.recorder.has_more_refusals() { " Later refusals are not marked." } } }
     };
     section("timeline", "Timeline of the stations", &inside)
 }

@@ -1,21 +1,23 @@
 //! Work in progress, lead times, energy, and flow.
 
 use super::super::charts::{Bar, Piece};
-use super::super::picture::{Picture, word};
+use super::super::moments::Moments;
+use super::super::picture::{Picture, by_type};
 use super::super::series::Curve;
 use super::super::{Page, charts, state_class};
-use super::{STATES, first, legend};
+use super::{STATES, first, idle_name, legend, part_class, parts_legend};
 use crate::html::numbers::{count, figure, percent};
 use crate::html::parts::{behind, section, table};
 use linewright_language::contract::line::NodeKind;
 use linewright_line::log::Activity;
 use linewright_line::metric::JOULES_PER_KWH;
-use linewright_line::trace::duration;
+use linewright_line::trace::{Yields, duration_in_units};
 use maud::{Markup, html};
 
 pub(super) fn queues(page: &Page<'_>) -> Markup {
     let (recorder, trace) = (page.recorder, first(page));
     let (units, axis) = (recorder.units(), page.axis());
+    let moments = Moments::of(page.line);
     let (throughput, width) = recorder.throughput();
     let types = page.line.parts.iter().enumerate();
     let types: Vec<_> = types
@@ -42,19 +44,19 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
                 figure(buffer.length),
                 count(buffer.longest),
                 percent(buffer.full),
-                duration(buffer.wait),
-                duration(buffer.longest_wait),
+                duration_in_units(buffer.wait),
+                duration_in_units(buffer.longest_wait),
                 count(buffer.expired),
             ]
         })
         .collect();
     let inside = html! {
-        p { "Work in progress is the number of parts in the line, of all types. Dark: the mean of each " (duration(units.width)) "; light: the maximum. Dashed: the capacity of a buffer."
+        p { "Work in progress is the number of parts in the line, of all types. Dark: the mean of each " (duration_in_units(units.width)) "; light: the maximum. Dashed: the capacity of a buffer."
             @if recorder.counting > 0.0 { " Grey: the warm-up." } }
         (charts::curve("Work in progress over time", &units, axis, None))
         details {
             summary { "Show as a table" }
-            (table(&["Time from", "Mean", "Maximum"], &curve_rows(&units)))
+            (table(&["Time from", "Mean", "Maximum"], &curve_rows(&units, moments)))
         }
         @if types.len() > 1 { details {
             summary { "By part type" }
@@ -65,10 +67,10 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
         } }
         @if trace.products > 0 {
             h3 { "Throughput" }
-            p { "Products an hour, in bins of " (duration(width)) "." }
+            p { "Products an hour, in bins of " (duration_in_units(width)) "." }
             (charts::rate("Throughput over time in products an hour", &throughput, width, axis))
             (behind(&["Time from", "Products an hour"], &throughput.iter().enumerate().map(|(bin, rate)| {
-                vec![duration(bin as f64 * width), figure(*rate)]
+                vec![moments.instant(bin as f64 * width), figure(*rate)]
             }).collect::<Vec<_>>()))
         }
         @for (node, capacity, curve) in &buffers {
@@ -83,7 +85,7 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
 }
 
 /// A curve as some twenty rows of a table.
-fn curve_rows(curve: &Curve) -> Vec<Vec<String>> {
+fn curve_rows(curve: &Curve, moments: Moments) -> Vec<Vec<String>> {
     const ROWS: usize = 20;
     let step = curve.means.len().div_ceil(ROWS).max(1);
     let pieces = curve
@@ -96,7 +98,8 @@ fn curve_rows(curve: &Curve) -> Vec<Vec<String>> {
             let time = (index * step) as f64 * curve.width;
             let mean = means.iter().sum::<f64>() / means.len() as f64;
             let max = maxima.iter().copied().max().unwrap_or(0);
-            vec![duration(time), figure(mean), max.to_string()]
+            let max = u64::try_from(max).unwrap_or(0);
+            vec![moments.instant(time), figure(mean), count(max)]
         })
         .collect()
 }
@@ -120,7 +123,11 @@ pub(super) fn lead_times(page: &Page<'_>) -> Markup {
         .map(|(class, number)| {
             let start = class as f64 * columns.width;
             vec![
-                format!("{} to {}", duration(start), duration(start + columns.width)),
+                format!(
+                    "{} to {}",
+                    duration_in_units(start),
+                    duration_in_units(start + columns.width)
+                ),
                 count(*number),
             ]
         })
@@ -133,16 +140,16 @@ pub(super) fn lead_times(page: &Page<'_>) -> Markup {
                 page.line.parts[product.part].name.clone(),
                 count(product.products),
                 figure(product.throughput_per_hour),
-                duration(product.lead_time.mean),
-                duration(product.lead_time.p50),
-                duration(product.lead_time.p95),
-                duration(product.lead_time.max),
+                duration_in_units(product.lead_time.mean),
+                duration_in_units(product.lead_time.p50),
+                duration_in_units(product.lead_time.p95),
+                duration_in_units(product.lead_time.max),
             ]
         })
         .collect();
     let inside = html! {
-        p { "From the entry of a product's first part to the completion of the product: mean " (duration(time.mean)) ", median " (duration(time.p50)) ", 95th percentile " (duration(time.p95)) ", maximum " (duration(time.max)) "." }
-        @if columns.beyond > 0 { p { (count(columns.beyond)) " products took longer than the chart shows, up to " (duration(time.max)) "." } }
+        p { "From the entry of a product's first part to the completion of the product: mean " (duration_in_units(time.mean)) ", median " (duration_in_units(time.p50)) ", 95th percentile " (duration_in_units(time.p95)) ", maximum " (duration_in_units(time.max)) ". Each column is " (duration_in_units(columns.width)) " wide." }
+        @if columns.beyond > 0 { p { (count(columns.beyond)) " products took longer than the chart shows, up to " (duration_in_units(time.max)) "." } }
         (charts::histogram("Number of products by lead time", &columns, &lines))
         (behind(&["Lead time", "Products"], &rows))
         @if !by_type.is_empty() {
@@ -171,6 +178,13 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
             all / JOULES_PER_KWH
         })
     };
+    let of_state = |node: usize, state: Activity, name: &'static str| {
+        let station = trace.stations.iter().find(|station| station.node == node);
+        match station {
+            Some(station) if state == Activity::Idle => idle_name(station),
+            _ => name,
+        }
+    };
     let nodes: Vec<(usize, [f64; 6])> = (0..page.line.nodes.len())
         .map(|index| (index, of_node(index)))
         .filter(|(_, kwh)| kwh.iter().sum::<f64>() > 0.0)
@@ -184,9 +198,9 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
                 .iter()
                 .zip(STATES)
                 .map(|(value, (state, name))| Piece {
-                    class: state_class(state),
+                    class: state_class(state).to_owned(),
                     value: *value,
-                    title: format!("{name}: {} kWh", figure(*value)),
+                    title: format!("{}: {} kWh", of_state(*index, state, name), figure(*value)),
                 })
                 .collect(),
             total: format!("{} kWh", figure(total(kwh))),
@@ -221,54 +235,143 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
         (legend())
         (behind(&headings, &rows))
         @if !unpowered.is_empty() { p { "No power is given for " (unpowered.join(", ")) "." } }
-        h3 { "Power over time in kW, mean of each " (duration(width)) }
+        h3 { "Power over time in kW, mean of each " (duration_in_units(width)) }
         (charts::rate("Power over time in kilowatts", &kilowatts, width, page.axis()))
     };
     section("energy", "Energy", &inside)
 }
 
 pub(super) fn flow(page: &Page<'_>, picture: &Picture) -> Markup {
-    let line = page.line;
-    let of = |link: &(usize, usize)| page.recorder.flow.get(link).copied().unwrap_or(0);
-    let most = picture.links.iter().map(of).max().unwrap_or(0) as f64;
+    let (line, recorder) = (page.line, page.recorder);
     let name = |node: usize| line.nodes[node].name.as_str();
-    let bars: Vec<Bar> = picture
+    let ways = picture
         .links
         .iter()
-        .map(|link| Bar {
-            name: format!("{} to {}", name(link.0), name(link.1)),
-            pieces: vec![Piece {
-                class: "column",
-                value: of(link) as f64,
-                title: format!("{} parts", count(of(link))),
-            }],
-            total: count(of(link)),
+        .map(|&(from, to)| (from, Some(to), recorder.flow(from, to)));
+    let scrapped = recorder.scrapped.iter();
+    let scrapped = scrapped.map(|(node, numbers)| (*node, None, numbers.as_slice()));
+    let flows: Vec<(usize, Option<usize>, &[u64])> = ways.chain(scrapped).collect();
+    let bars: Vec<Bar> = flows
+        .iter()
+        .map(|(from, to, numbers)| Bar {
+            name: match to {
+                Some(to) => format!("{} to {}", name(*from), name(*to)),
+                None => format!("taken out at {}", name(*from)),
+            },
+            pieces: numbers
+                .iter()
+                .enumerate()
+                .map(|(kind, number)| Piece {
+                    class: part_class(kind),
+                    value: *number as f64,
+                    title: format!("{} {}", count(*number), line.parts[kind].name),
+                })
+                .collect(),
+            total: count(numbers.iter().sum()),
         })
         .collect();
-    let rows: Vec<Vec<String>> = picture
-        .links
+    let most = flows
         .iter()
-        .map(|link| {
-            let kinds = [
-                word(&line.nodes[link.0].kind),
-                word(&line.nodes[link.1].kind),
-            ];
+        .map(|(.., numbers)| numbers.iter().sum::<u64>());
+    let most = most.max().unwrap_or(0) as f64;
+    let rows: Vec<Vec<String>> = flows
+        .iter()
+        .map(|(from, to, numbers)| {
+            let place = |node: usize| format!("{} {}", line.nodes[node].kind.word(), name(node));
             vec![
-                format!("{} {}", kinds[0], name(link.0)),
-                format!("{} {}", kinds[1], name(link.1)),
-                count(of(link)),
+                place(*from),
+                to.map_or("taken out: scrapped, expired or refused".to_owned(), place),
+                count(numbers.iter().sum()),
+                by_type(line, numbers),
             ]
         })
         .collect();
-    let parts = first(page).parts;
     let inside = html! {
-        p {
-            (count(parts.before)) " parts were in the line when counting began, and " (count(parts.entered)) " entered. "
-            (count(parts.finished)) " finished, " (count(parts.rejected)) " were rejected, " (count(parts.consumed))
-            " were joined to others, and " (count(parts.in_progress)) " were in the line at the end."
-        }
-        (charts::bars("Number of parts that went from place to place", &bars, most))
-        (behind(&["From", "To", "Parts"], &rows))
+        (balance(page))
+        (charts::bars("Number of parts that went from place to place, by part type", &bars, most))
+        (parts_legend(page, &html! {}))
+        (behind(&["From", "To", "Parts", "By part type"], &rows))
+        (yields(page))
     };
     section("flow", "Flow between places", &inside)
+}
+
+/// What became of the parts of each type.
+fn balance(page: &Page<'_>) -> Markup {
+    let kinds = page.line.parts.iter().enumerate();
+    let balances = kinds.map(|(kind, part)| {
+        let balance = page.recorder.balance(kind);
+        let cells = [
+            balance.before,
+            balance.entered,
+            balance.finished,
+            balance.rejected,
+            balance.scrapped,
+            balance.joined,
+            balance.remaining,
+        ];
+        (part.name.clone(), cells)
+    });
+    let balances: Vec<(String, [u64; 7])> = balances.collect();
+    let mut all = [0; 7];
+    for (_, cells) in &balances {
+        for (sum, cell) in all.iter_mut().zip(cells) {
+            *sum += cell;
+        }
+    }
+    let rows = balances.into_iter().chain([("all".to_owned(), all)]);
+    let rows: Vec<Vec<String>> = rows
+        .map(|(name, cells)| std::iter::once(name).chain(cells.map(count)).collect())
+        .collect();
+    let headings = [
+        "Part type",
+        "Before",
+        "Entered",
+        "Finished",
+        "Rejected",
+        "Taken out",
+        "Joined",
+        "At the end",
+    ];
+    html! {
+        p { "Parts that were in the line before counting began, and parts that entered it, have finished, came into a sink for rejects, were taken out elsewhere (by a failure, at the end of their shelf life, or because a contract refused them), were joined to others, or were in the line at the end." }
+        (table(&headings, &rows))
+    }
+}
+
+/// First-pass yield and scrap by part type.
+fn yields(page: &Page<'_>) -> Markup {
+    let of_types = page.line.parts.iter().zip(&first(page).yields_by_type);
+    let row = |name: &str, yields: &Yields| {
+        let share = |share: Option<f64>| share.map_or("-".to_owned(), percent);
+        vec![
+            name.to_owned(),
+            count(yields.finished),
+            count(yields.first_pass),
+            count(yields.scrapped),
+            share(yields.first_pass_yield()),
+            share(yields.scrap_ratio()),
+        ]
+    };
+    let rows = of_types.filter(|(_, yields)| yields.finished + yields.scrapped > 0);
+    let mut rows: Vec<Vec<String>> = rows.map(|(part, of)| row(&part.name, of)).collect();
+    if rows.is_empty() {
+        return html! {};
+    }
+    if rows.len() > 1 {
+        rows.push(row("all", &first(page).yields));
+    }
+    let headings = [
+        "Left the line as",
+        "Finished",
+        "Without rework",
+        "Scrapped",
+        "First-pass yield",
+        "Scrap",
+    ];
+    html! {
+        h3 { "First-pass yield" }
+        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Without rework: no station worked on the part twice. The yield is their share of all that finished or were scrapped." }
+        (table(&headings, &rows))
+    }
 }

@@ -1,18 +1,19 @@
 //! Head of a page, figures, and requirements.
 
 use super::super::Page;
-use super::first;
-use super::intervals::{estimate, interval};
+use super::conclusion::{conclusion, limit, most_frequent};
+use super::intervals::{estimate, interval, mean_of_runs};
+use super::{first, made};
 use crate::Intervals;
-use crate::html::numbers::{count, figure, percent};
-use crate::html::parts::{links, section, table, tile};
-use crate::table::{bottleneck, required};
+use crate::html::numbers::{count, exact, figure, percent};
+use crate::html::parts::{links, section, table_of, tile};
+use crate::table::{bottleneck, required_with};
 use linewright_language::contract::date::{WEEKDAYS, format_date, weekday};
 use linewright_language::contract::line::declared_name;
 use linewright_language::contract::metric::Measure;
 use linewright_line::metric::JOULES_PER_KWH;
-use linewright_line::trace::{End, Oee, duration};
-use linewright_line::{Bottleneck, Estimate, Trace, Verdict};
+use linewright_line::trace::{End, LeadTime, Oee, duration_in_units};
+use linewright_line::{Estimate, Trace, Verdict};
 use maud::{Markup, html};
 
 pub(super) fn header(page: &Page<'_>) -> Markup {
@@ -25,7 +26,7 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
             !page.line.requirements.is_empty(),
         ),
         ("replications", "Intervals", page.intervals.is_some()),
-        ("comparison", "Comparison", page.comparison.is_some()),
+        ("comparison", "Comparison", !page.comparisons.is_empty()),
         ("stations", "Stations", !trace.stations.is_empty()),
         ("timeline", "Timeline", !trace.stations.is_empty()),
         ("queues", "WIP and queues", true),
@@ -40,62 +41,21 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
             h1 { (page.line.name) }
             @if !page.line.doc.is_empty() { p.doc { (page.line.doc) } }
             p {
-                (duration(trace.seconds)) " simulated, random seed " (trace.seed)
+                (duration_in_units(trace.seconds)) " simulated, random seed " (trace.seed)
                 @if page.traces.len() > 1 { "; the first of " (page.traces.len()) " runs, of which pictures, charts and tables are, unless they have intervals" }
-                @if trace.warm_up > 0.0 { "; the first " (duration(trace.warm_up)) " are the warm-up and do not count" }
+                @if trace.warm_up > 0.0 { "; the first " (duration_in_units(trace.warm_up)) " are the warm-up and do not count" }
                 ". " (ending(trace.end))
                 @if let Some(day) = page.line.first_day {
                     " It begins on " (WEEKDAYS[usize::from(weekday(day))]) ", " (format_date(day)) ", at 0:00."
                 }
             }
-            p.conclusion { (conclusion(page)) }
+            p.conclusion {
+                (conclusion(page))
+                @if page.intervals.is_none() { " One run has no confidence interval: add " code.option { "--replications 10" } " to get one." }
+            }
             (links(sections.into_iter().filter(|(.., is_there)| *is_there).map(|(id, name, _)| (id, name))))
         }
     }
-}
-
-/// What came out, in words: products, the bottleneck, requirements, violations.
-fn conclusion(page: &Page<'_>) -> String {
-    let trace = first(page);
-    let throughput =
-        estimate(page, Measure::Throughput).map_or(trace.throughput_per_hour, |of| of.mean);
-    let has_products = trace.products > 0;
-    let mut sentences = vec![if has_products {
-        format!(
-            "The line makes {} products an hour; half of them are in it for less than {}.",
-            figure(throughput),
-            duration(trace.lead_time.p50)
-        )
-    } else {
-        "The line made no product.".to_owned()
-    }];
-    match &trace.bottleneck {
-        _ if !has_products => {}
-        Bottleneck::Station(candidate) => sentences.push(format!("{} limits it.", candidate.name)),
-        Bottleneck::Source { .. } => {
-            sentences.push("The sources limit it: no part had to wait for a station.".to_owned());
-        }
-        _ => {}
-    }
-    let judged = judged(page);
-    let requirements = page.line.requirements.iter().zip(&judged);
-    let failed = requirements.filter(|(_, (verdict, _))| *verdict == Verdict::Fails);
-    let failed: Vec<&str> = failed
-        .map(|(requirement, _)| requirement.name.as_str())
-        .collect();
-    if !failed.is_empty() {
-        sentences.push(format!("It does not meet: {}.", failed.join(", ")));
-    } else if judged.iter().any(|(verdict, _)| *verdict != Verdict::Holds) {
-        sentences.push("No requirement fails, but not all are decided.".to_owned());
-    } else if !judged.is_empty() {
-        sentences.push("All requirements hold.".to_owned());
-    }
-    sentences.push(match trace.violation_count {
-        0 => "No contract was violated.".to_owned(),
-        1 => "A contract was violated once.".to_owned(),
-        number => format!("Contracts were violated {} times.", count(number)),
-    });
-    sentences.join(" ")
 }
 
 fn ending(end: End) -> &'static str {
@@ -111,84 +71,144 @@ fn ending(end: End) -> &'static str {
 /// A tile for a measure: its mean with the interval if there is one, otherwise the value of the run
 /// with a note.
 fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &str) -> Markup {
+    let product = match page.line.only_product() {
+        Some(product) => format!(" {}", page.line.parts[product].name),
+        None => String::new(),
+    };
     let show = |value: f64| match measure {
-        Measure::LeadTime => duration(value),
+        Measure::LeadTime => duration_in_units(value),
         Measure::Throughput => format!("{} / h", figure(value)),
         Measure::Energy => format!("{} kWh", figure(value)),
+        Measure::FirstPassYield => percent(value),
+        Measure::Products => format!("{}{product}", figure(value)),
         _ => figure(value),
     };
-    match estimate(page, measure) {
-        Some(Estimate {
-            mean,
-            half_width: Some(half),
-        }) => {
-            let of = match page.intervals {
-                Some(Intervals::Batches(batches)) => format!("{} batches", batches.count),
-                _ => format!("{} runs", page.traces.len()),
-            };
-            tile(
-                name,
-                &show(mean),
-                &format!("mean of {of}, ± {} (95 %)", show(half)),
-            )
-        }
-        _ => tile(name, &show(value), note),
+    let Some(Estimate {
+        mean,
+        half_width: Some(half),
+    }) = estimate(page, measure)
+    else {
+        return tile(name, &show(value), note);
+    };
+    let of = match page.intervals {
+        Some(Intervals::Batches(batches)) => format!("{} batches", batches.count),
+        _ => format!("{} runs", page.traces.len()),
+    };
+    let half = match measure {
+        Measure::Products => figure(half),
+        _ => show(half),
+    };
+    let mut text = format!("mean of {of}, ± {half} (95 %)");
+    if !note.is_empty() {
+        text = format!("{text}; {note}");
     }
+    tile(name, &show(mean), &text)
 }
 
 pub(super) fn tiles(page: &Page<'_>) -> Markup {
     let trace = first(page);
-    let lead_time = trace.lead_time;
-    let has_products = trace.products > 0;
-    let kwh = trace.joules / JOULES_PER_KWH;
-    let on_shift = trace.throughput_on_shift;
+    let mean = |figure: fn(&Trace) -> Option<f64>| mean_of_runs(page, figure);
+    let has_products = page.traces.iter().any(|trace| trace.products > 0);
+    let on_shift = mean(|trace| trace.throughput_on_shift);
     let on_shift = on_shift.map_or(String::new(), |rate| {
         format!("{} / h on shift", figure(rate))
     });
+    let of_products = |trace: &Trace, value: f64| (trace.products > 0).then_some(value);
+    let lead_time = |quantile: fn(&LeadTime) -> f64| {
+        let mean = mean_of_runs(page, |t| of_products(t, quantile(&t.lead_time)));
+        duration_in_units(mean.unwrap_or(0.0))
+    };
     let quantiles = format!(
         "median {}, 95th percentile {}",
-        duration(lead_time.p50),
-        duration(lead_time.p95)
+        lead_time(|time| time.p50),
+        lead_time(|time| time.p95)
     );
+    let product = page.line.only_product();
+    let product = product.map_or("product", |product| &page.line.parts[product].name);
+    let most_units = page.traces.iter().map(|trace| trace.wip.max).max();
+    let kwh = trace.joules / JOULES_PER_KWH;
+    let per_product = mean_of_runs(page, |t| of_products(t, t.joules / t.products as f64));
+    let violations: u64 = page.traces.iter().map(|trace| trace.violation_count).sum();
     html! {
         dl.tiles {
-            (tile("Products", &count(trace.products), &rejected(trace)))
+            (measured(page, Measure::Products, "Products", trace.products as f64, &made_and_rejected(page)))
             (measured(page, Measure::Throughput, "Throughput", trace.throughput_per_hour, &on_shift))
-            @if has_products { (measured(page, Measure::LeadTime, "Lead time", lead_time.mean, &quantiles)) }
-            (measured(page, Measure::Wip, "Work in progress", trace.wip.mean, &format!("parts of all types; at most {}", trace.wip.max)))
-            @if let Some((name, oee)) = bottleneck_oee(trace) {
+            @if has_products { (measured(page, Measure::LeadTime, "Lead time", trace.lead_time.mean, &quantiles)) }
+            (measured(page, Measure::Wip, "Work in progress", trace.wip.mean, &format!("parts of all types; at most {}", count(most_units.unwrap_or(0)))))
+            @if let Some((name, oee)) = busiest_oee(page) {
                 (tile(&format!("OEE of {name}"), &percent(oee.index()), &format!(
-                    "availability {}, effectiveness {}, quality {}",
+                    "availability {} (busy share of its time on shift), effectiveness {}, quality {}",
                     percent(oee.availability), percent(oee.effectiveness), percent(oee.quality)
                 )))
             }
             @if trace.joules > 0.0 {
-                (measured(page, Measure::Energy, "Energy", kwh, &if has_products {
-                    format!("{} kWh a product", figure(kwh / trace.products as f64))
-                } else {
-                    String::new()
-                }))
+                (measured(page, Measure::Energy, "Energy", kwh, &per_product.map_or(String::new(), |joules| {
+                    format!("{} kWh a {product}", figure(joules / JOULES_PER_KWH))
+                })))
             }
-            @if let (true, Some(first_pass)) = (has_products, trace.yields.first_pass_yield()) {
-                (tile("First-pass yield", &percent(first_pass), &trace.yields.scrap_ratio().map_or(String::new(), |scrap| format!("of all single parts; scrap {}", percent(scrap)))))
+            @if let (true, Some(first_pass)) = (has_products, mean(|trace| trace.yields.first_pass_yield())) {
+                (measured(page, Measure::FirstPassYield, "First-pass yield", first_pass, &mean(|trace| trace.yields.scrap_ratio()).map_or(String::new(), |scrap| {
+                    format!("of the parts on which stations worked; scrap {}", percent(scrap))
+                })))
             }
-            (tile("Violations", &count(trace.violation_count), "of contracts"))
+            (tile("Violations", &count(violations), &if page.traces.len() > 1 {
+                format!("of contracts, in {} runs", page.traces.len())
+            } else {
+                "of contracts".to_owned()
+            }))
             div.tile.wide { dt { "Bottleneck" } dd.text {
-                @if has_products { (bottleneck(&trace.bottleneck)) } @else { "none: no product was made" }
+                @if has_products { (limits(page)) } @else { "none: no product was made" }
             } }
         }
         (warnings(page))
     }
 }
 
-/// The bottleneck's OEE, with its name, if it is one station.
-fn bottleneck_oee(trace: &Trace) -> Option<(&str, Oee)> {
-    let Bottleneck::Station(candidate) = &trace.bottleneck else {
-        return None;
+/// What limits the line: in several runs, how often it is what.
+fn limits(page: &Page<'_>) -> String {
+    let [trace] = page.traces else {
+        let mut rest: Vec<String> = page
+            .traces
+            .iter()
+            .filter_map(|trace| limit(&trace.bottleneck))
+            .collect();
+        let runs = page.traces.len();
+        let mut all: Vec<String> = Vec::new();
+        while let Some((most, number)) = most_frequent(rest.iter().cloned()) {
+            rest.retain(|other| *other != most);
+            all.push(format!(
+                "{} in {number} of {runs} runs",
+                most.trim_end_matches(',')
+            ));
+        }
+        return all.join("; ");
     };
-    let mut stations = trace.stations.iter();
-    let station = stations.find(|station| declared_name(&station.name) == candidate.name)?;
-    Some((&station.name, station.oee?))
+    bottleneck(&trace.bottleneck)
+}
+
+/// The OEE of the busiest station with its name, if it is one station: its factors are means over
+/// the runs.
+fn busiest_oee<'a>(page: &Page<'a>) -> Option<(&'a str, Oee)> {
+    let traces = page.traces;
+    let busiest = traces.iter().filter_map(|trace| trace.bottleneck.busiest());
+    let (busiest, _) = most_frequent(busiest.map(|station| station.name.clone()))?;
+    let mut stations = traces.iter().flat_map(|trace| &trace.stations);
+    let name = &stations.find(|s| declared_name(&s.name) == busiest)?.name;
+    let mean = |factor: fn(&Oee) -> f64| {
+        mean_of_runs(page, |trace| {
+            let station = trace
+                .stations
+                .iter()
+                .find(|station| station.name == *name)?;
+            station.oee.as_ref().map(factor)
+        })
+    };
+    let oee = Oee {
+        availability: mean(|oee| oee.availability)?,
+        effectiveness: mean(|oee| oee.effectiveness)?,
+        quality: mean(|oee| oee.quality)?,
+    };
+    Some((name, oee))
 }
 
 /// What the run found, in short. The whole findings are with the model.
@@ -204,15 +224,52 @@ fn warnings(page: &Page<'_>) -> Markup {
     }
 }
 
-fn rejected(trace: &Trace) -> String {
-    match trace.parts.rejected {
-        0 => "none rejected".to_owned(),
-        number => format!("{} parts rejected", count(number)),
+/// Products of each type, if there are several, and rejected parts of each type: means over the
+/// runs.
+fn made_and_rejected(page: &Page<'_>) -> String {
+    let line = page.line;
+    let mean =
+        |number: &dyn Fn(&Trace) -> u64| mean_of_runs(page, |trace| Some(number(trace) as f64));
+    let kinds = 0..line.parts.len();
+    let products = kinds.clone().map(|kind| {
+        let of_kind = |trace: &Trace| {
+            let mut products = made(line, trace).into_iter();
+            products
+                .find(|(part, _)| *part == kind)
+                .map_or(0, |(_, number)| number)
+        };
+        (kind, mean(&of_kind).unwrap_or(0.0))
+    });
+    let rejects = kinds.map(|kind| {
+        let of_kind = |trace: &Trace| {
+            let mut rejects = trace.rejects.iter();
+            rejects
+                .find(|reject| reject.part == kind)
+                .map_or(0, |reject| reject.count)
+        };
+        (kind, mean(&of_kind).unwrap_or(0.0))
+    });
+    let text = |numbers: Vec<(usize, f64)>| {
+        let numbers = numbers.into_iter().filter(|(_, number)| *number > 0.0);
+        let texts: Vec<String> = numbers
+            .map(|(kind, number)| format!("{} {}", figure(number), line.parts[kind].name))
+            .collect();
+        texts.join(", ")
+    };
+    let rejects = text(rejects.collect());
+    let rejects = if rejects.is_empty() {
+        "none rejected".to_owned()
+    } else {
+        format!("{rejects} rejected")
+    };
+    match line.only_product() {
+        Some(_) => rejects,
+        None => format!("{}; {rejects}", text(products.collect())),
     }
 }
 
 /// Verdict and measured value of each requirement.
-fn judged(page: &Page<'_>) -> Vec<(Verdict, String)> {
+pub(super) fn judged(page: &Page<'_>) -> Vec<(Verdict, String)> {
     let results = match page.intervals {
         Some(Intervals::Replications(runs)) => Some(&runs.requirements),
         Some(Intervals::Batches(batches)) => Some(&batches.requirements),
@@ -240,21 +297,36 @@ pub(super) fn requirements(page: &Page<'_>) -> Markup {
         return html! {};
     }
     let judged = judged(page);
-    let requirements = line.requirements.iter().enumerate();
-    let rows: Vec<Vec<String>> = requirements
-        .map(|(index, requirement)| {
-            let result = judged.get(index);
-            vec![
-                requirement.name.clone(),
-                result.map_or("-", |(verdict, _)| verdict.word()).to_owned(),
-                required(line, index),
-                result.map_or("-".to_owned(), |(_, value)| value.clone()),
-            ]
-        })
-        .collect();
+    let rows = html! {
+        @for (index, requirement) in line.requirements.iter().enumerate() {
+            @let result = judged.get(index);
+            tr {
+                th scope="row" { (requirement.name) }
+                @match result {
+                    Some((verdict, _)) => td.verdict.(verdict_class(*verdict)) { (verdict.word()) },
+                    None => td { "-" },
+                }
+                td { (required_with(line, index, exact)) }
+                td.number { (result.map_or("-", |(_, value)| value.as_str())) }
+            }
+        }
+    };
     section(
         "requirements",
         "Requirements",
-        &table(&["Requirement", "Verdict", "Required", "Measured"], &rows),
+        &table_of(
+            "Requirements",
+            &["Requirement", "Verdict", "Required", "Measured"],
+            &rows,
+        ),
     )
+}
+
+/// The class of the style sheet by which a verdict is marked.
+fn verdict_class(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Holds => "good",
+        Verdict::Fails => "bad",
+        Verdict::Undecided { .. } => "open",
+    }
 }

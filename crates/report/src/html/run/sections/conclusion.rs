@@ -1,0 +1,183 @@
+//! What came out, in words, and what it is worth: one run, its batches, or several runs.
+
+use super::super::Page;
+use super::intervals::{estimate, interval, mean_of_runs};
+use super::summary::judged;
+use super::{counted, first, made};
+use crate::Intervals;
+use crate::html::numbers::{count, figure, percent};
+use linewright_language::contract::line::Line;
+use linewright_language::contract::metric::Measure;
+use linewright_line::trace::duration_in_units;
+use linewright_line::{Bottleneck, Trace, Verdict};
+
+/// What came out: products, what limits them, requirements, violations.
+pub(super) fn conclusion(page: &Page<'_>) -> String {
+    let mut sentences = vec![products(page)];
+    sentences.extend(limits(page));
+    sentences.extend(requirements(page));
+    sentences.push(violations(page.traces));
+    sentences.join(" ")
+}
+
+fn products(page: &Page<'_>) -> String {
+    let trace = first(page);
+    let runs = page.traces.len();
+    if page.traces.iter().all(|trace| trace.products == 0) {
+        return format!("The line made no product in {}.", counted_runs(runs));
+    }
+    let median = mean_of_runs(page, |trace| {
+        (trace.products > 0).then_some(trace.lead_time.p50)
+    });
+    let median = duration_in_units(median.unwrap_or(0.0));
+    let of_runs = interval(estimate(page, Measure::Throughput));
+    let word = product_word(page.line);
+    match page.intervals {
+        Some(Intervals::Replications(_)) => format!(
+            "In {}, the line made {of_runs} {word} an hour; the mean of the runs' median lead times is {median}.",
+            counted_runs(runs)
+        ),
+        Some(Intervals::Batches(batches)) => format!(
+            "In {} batches of this one run, the line made {of_runs} {word} an hour; half of them were in it for less than {median}.",
+            batches.count
+        ),
+        None => format!(
+            "In this one run, the line made {}, {} an hour; half of them were in it for less than {median}.",
+            counted(page.line, &made(page.line, trace)),
+            figure(trace.throughput_per_hour)
+        ),
+    }
+}
+
+fn counted_runs(runs: usize) -> String {
+    match runs {
+        1 => "this one run".to_owned(),
+        runs => format!("{runs} runs"),
+    }
+}
+
+/// The name of the only product, or the word for several.
+fn product_word(line: &Line) -> &str {
+    line.only_product()
+        .map_or("products", |product| &line.parts[product].name)
+}
+
+/// What limits the line: in one run with the evidence, otherwise in how many runs it is what.
+fn limits(page: &Page<'_>) -> Option<String> {
+    if let [trace] = page.traces {
+        return (trace.products > 0)
+            .then(|| limit_with_evidence(&trace.bottleneck))
+            .flatten();
+    }
+    let limits = page
+        .traces
+        .iter()
+        .filter_map(|trace| limit(&trace.bottleneck));
+    let (most, number) = most_frequent(limits)?;
+    let runs = page.traces.len();
+    Some(if number == runs {
+        format!("In all of them, {most} limits it.")
+    } else {
+        format!("In {number} of {runs} runs, {most} limits it.")
+    })
+}
+
+/// The text that occurs most often, and how often.
+pub(super) fn most_frequent(texts: impl Iterator<Item = String>) -> Option<(String, usize)> {
+    let mut numbers: Vec<(String, usize)> = Vec::new();
+    for text in texts {
+        match numbers.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, number)) => *number += 1,
+            None => numbers.push((text, 1)),
+        }
+    }
+    // Of equal numbers, the first.
+    numbers.into_iter().rev().max_by_key(|(_, number)| *number)
+}
+
+/// What limits a run, as the subject of a sentence.
+pub(super) fn limit(bottleneck: &Bottleneck) -> Option<String> {
+    match bottleneck {
+        Bottleneck::Nothing => None,
+        Bottleneck::Station(station) => Some(station.name.clone()),
+        Bottleneck::Source {
+            names,
+            busiest: Some(station),
+            parts_wait: true,
+        } => Some(format!(
+            "the supply from {}, for which {} waits,",
+            names.join(" and "),
+            station.name
+        )),
+        Bottleneck::Source { names, .. } => {
+            Some(format!("the supply from {}", names.join(" and ")))
+        }
+        Bottleneck::Undecided(stations) => {
+            let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
+            Some(format!(
+                "one of {}, which are nearly equal,",
+                names.join(", ")
+            ))
+        }
+    }
+}
+
+/// What limits a run, and why it does.
+fn limit_with_evidence(bottleneck: &Bottleneck) -> Option<String> {
+    let sentence = match bottleneck {
+        Bottleneck::Source {
+            names,
+            busiest: Some(station),
+            parts_wait: true,
+        } => format!(
+            "The supply from {} limits it, not {}, which waits for parts for {} of its time on shift.",
+            names.join(" and "),
+            station.name,
+            percent(station.starved_on_shift)
+        ),
+        Bottleneck::Source { names, .. } => format!(
+            "The supply from {} limits it: no part had to wait there.",
+            names.join(" and ")
+        ),
+        Bottleneck::Undecided(stations) => {
+            let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
+            format!(
+                "One of {} limits it; they are nearly equal.",
+                names.join(", ")
+            )
+        }
+        _ => format!("{} limits it.", limit(bottleneck)?),
+    };
+    Some(sentence)
+}
+
+fn requirements(page: &Page<'_>) -> Option<String> {
+    let judged = judged(page);
+    let requirements = page.line.requirements.iter().zip(&judged);
+    let failed = requirements.filter(|(_, (verdict, _))| *verdict == Verdict::Fails);
+    let failed: Vec<&str> = failed
+        .map(|(requirement, _)| requirement.name.as_str())
+        .collect();
+    if !failed.is_empty() {
+        Some(format!("It does not meet: {}.", failed.join(", ")))
+    } else if judged.iter().any(|(verdict, _)| *verdict != Verdict::Holds) {
+        Some("No requirement fails, but not all are decided.".to_owned())
+    } else {
+        (!judged.is_empty()).then(|| "All requirements hold.".to_owned())
+    }
+}
+
+fn violations(traces: &[Trace]) -> String {
+    let number: u64 = traces.iter().map(|trace| trace.violation_count).sum();
+    let with = traces.iter().filter(|trace| trace.violation_count > 0);
+    let in_runs = if traces.len() > 1 {
+        format!(", in {} of {} runs", with.count(), traces.len())
+    } else {
+        String::new()
+    };
+    match number {
+        0 => "No contract was violated.".to_owned(),
+        1 => format!("A contract was violated once{in_runs}."),
+        number => format!("Contracts were violated {} times{in_runs}.", count(number)),
+    }
+}
