@@ -274,6 +274,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let command = page::command();
         let page = controller::Page {
             contract,
+            definitions: library.definitions_of(contract),
             opponent,
             origin: page::origin(&command, &library.sources, &findings),
         };
