@@ -86,8 +86,7 @@ fn a_line_comes_first_and_shows_what_its_proof_rests_on() {
             "Printer, layers: fed always eventually (filament or not requested) assumed about the environment: Printer: signal filament",
             "AssemblyCell, cell: screw_needs_part always (idle and next job = screw -> grip_a) left to the caller: the line, checked at every call",
             "examples/ice-lab/coordinator.lw:41",
-            "The slowest station is printer: ",
-            " parts an hour pass it.",
+            "The slowest station is printer: 204 s a part (Printed), so at most 17.6 parts an hour pass it.",
         ],
     );
     assert!(!line.contains("it always holds"), "{line}");
@@ -159,6 +158,7 @@ fn warnings_are_not_behind_a_check_mark() {
             "<td class=\"warned\">realizable</td>",
             "<span class=\"verdict warned\">realizable</span>",
             "<td class=\"counts\">1 warning</td>",
+            ".verdict, .counts, td.good, td.bad, td.open, td.warned { white-space: nowrap; }",
         ],
     );
     assert!(!page.contains("class=\"good\""), "{page}");

@@ -1,9 +1,7 @@
 //! The slowest station of a line, from the times of the work.
 
 use super::document::WorkEntry;
-use super::table::seconds;
 use crate::contract::line::{Line, NodeKind, declared_name};
-use crate::line::trace::duration;
 use crate::report::html::parts::figure;
 
 /// A station with its work on a part of one type.
@@ -37,16 +35,25 @@ pub(super) fn slowest(line: &Line, work: &[WorkEntry]) -> Option<String> {
     }
     let pace = slowest.filter(|pace| pace.interval() > 0.0)?;
     let most = figure(3600.0 / pace.interval());
-    let (station, part, time) = (pace.station, pace.part, seconds(pace.seconds));
+    let (station, part, time) = (pace.station, pace.part, range(pace.seconds));
     Some(match pace.copies {
         1 => format!(
             "The slowest station is {station}: {time} a part ({part}), so at most {most} parts an hour pass it."
         ),
         copies => format!(
             "The slowest station is {station}, of which there are {copies} in parallel: {time} a part ({part}), one part every {} of all {copies}, so at most {most} parts an hour pass them.",
-            duration(pace.interval())
+            range([pace.interval(); 2])
         ),
     })
+}
+
+/// A time in seconds with its least and greatest value: `204 s`, or `11.2 s to 12.2 s`.
+fn range([least, greatest]: [f64; 2]) -> String {
+    if least < greatest {
+        format!("{} s to {} s", figure(least), figure(greatest))
+    } else {
+        format!("{} s", figure(least))
+    }
 }
 
 /// The work of all stations; `None` if a time is not known. A station that is given by its times
