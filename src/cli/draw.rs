@@ -13,6 +13,7 @@ use crate::drawing::svg;
 use crate::engine::controller::ExtractionOptions;
 use crate::engine::files::LoadedFiles;
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
+use crate::gr1::Specification;
 use crate::line::picture as line_picture;
 use crate::mealy;
 use crate::order::picture::regions;
@@ -80,12 +81,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     for (contract, checked) in controllers(&contracts, &loaded, options) {
         if let Some((name, machine)) = automaton(contract, &checked, &mut findings) {
             let is_own = checked.verdict == Verdict::Realizable;
+            let specification = Some(&*contract.specification).filter(|_| is_own);
             let text = match &arguments.around {
-                None => {
-                    let specification = Some(&*contract.specification).filter(|_| is_own);
-                    mealy::picture::to_svg(machine, specification)
-                }
-                Some(state) => around(machine, state, arguments.steps.into())?,
+                None => mealy::picture::to_svg(machine, specification),
+                Some(state) => around(machine, specification, state, arguments.steps.into())?,
             };
             let files = vec![(file_name(&name, "svg"), text)];
             findings.extend(written.add(&contract.name, contract.span, files));
@@ -185,9 +184,16 @@ fn automaton<'c>(
     Some((contract.name.clone(), machine))
 }
 
-/// Draws the part of a machine that is close to a state.
-fn around(machine: &mealy::Machine, state: &str, steps: usize) -> anyhow::Result<String> {
-    let graph = mealy::picture::to_graph(machine, &[]);
+/// Draws the part of a machine that is close to a state. The specification is that of a controller;
+/// `None` for a counterstrategy.
+fn around(
+    machine: &mealy::Machine,
+    specification: Option<&Specification>,
+    state: &str,
+    steps: usize,
+) -> anyhow::Result<String> {
+    let goals = specification.map_or(Vec::new(), mealy::picture::goals);
+    let graph = mealy::picture::to_graph(machine, &goals);
     let named = |label: &Vec<String>| label.first().is_some_and(|name| name == state);
     let Some(center) = graph.states.iter().position(named) else {
         let last = graph.states.len().saturating_sub(1);

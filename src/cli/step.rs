@@ -128,6 +128,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let over = terminal.session.over();
         let text = session::page(&session::Page {
             contract,
+            definitions: library.definitions_of(contract),
             person: terminal.session.person(),
             steps: terminal.session.steps(),
             commands: &terminal.commands,

@@ -8,6 +8,7 @@ use super::results::{Results, file_name};
 use super::select::Selection;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, codes};
+use crate::drawing::dot;
 use crate::engine::controller::ExtractionOptions;
 use crate::engine::files::LoadedFiles;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Verdict};
@@ -273,6 +274,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let command = page::command();
         let page = controller::Page {
             contract,
+            definitions: library.definitions_of(contract),
             opponent,
             origin: page::origin(&command, &library.sources, &findings),
         };
@@ -405,7 +407,10 @@ fn write(
             "{:#}\n",
             mealy::gr1c::to_json(machine, specification).map_err(too_large)?
         ),
-        Emit::Dot => mealy::picture::to_dot(machine),
+        Emit::Dot => {
+            let goals = mealy::picture::goals(specification);
+            dot::render(&machine.name, &mealy::picture::to_graph(machine, &goals))
+        }
         Emit::Svg => mealy::picture::to_svg(machine, Some(specification)),
         _ => mealy::json::to_text(&mealy::json::to_json(machine, true)),
     })

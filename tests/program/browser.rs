@@ -162,6 +162,21 @@ const ANSWER: &str = "contract Answer {
 }
 ";
 
+/// The values and their product are beyond the numbers that a script has exactly.
+const LARGE: &str = "contract Large {
+    const base = 9007199254740992
+    input number: base * 3 + 1 .. base * 3 + 8
+    output copy: base * 3 + 1 .. base * 3 + 8
+    output odd: bool
+
+    define same = next number = number
+
+    assume changes: always not same
+    guarantee copies: always (copy = number)
+    guarantee oddness: always (odd <-> (number * 3) mod 2 = 1)
+}
+";
+
 /// A controller with listed states, one as functions, a Moore machine, and counterstrategies of
 /// both endings: the walk in each page has the values that `step` has.
 #[test]
@@ -173,9 +188,11 @@ fn a_walk_gives_the_values_of_step() {
     let large = inspect.expect("a contract").replace("= 4)", "= 16)");
     std::fs::write(folder.join("large.lw"), large).expect("a contract");
     std::fs::write(folder.join("answer.lw"), ANSWER).expect("a contract");
+    std::fs::write(folder.join("numbers.lw"), LARGE).expect("a contract");
     let walked = [
         ("table", "contracts/handling/turn.lw", false, 120),
         ("functions", "large.lw", false, 60),
+        ("numbers", "numbers.lw", false, 30),
         ("moore", "examples/ice-lab/coordinator.lw", false, 120),
         ("clash", "answer.lw", true, 5),
         ("starved", "examples/repair-me/2-hold.lw", true, 40),

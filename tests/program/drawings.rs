@@ -429,3 +429,23 @@ fn compare_pictures(page: &str, folder: &str) -> usize {
     }
     count
 }
+
+/// Frames of goals are in the Graphviz text as in the SVG, and in the part around a state.
+#[test]
+fn goals_are_in_all_forms_of_a_drawing() {
+    let goals = "examples/other-tools/arbiter.spc";
+    let shown = |arguments: &[&str]| {
+        let output = support::linewright(support::root(), arguments);
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).expect("a drawing")
+    };
+    let dot = shown(&["synth", goals, "--emit", "dot"]);
+    let svg = shown(&["draw", goals]);
+    let around = shown(&["draw", goals, "--around", "S0"]);
+    let mut titles = dot.split("label=\"for ").skip(1);
+    let title = titles.next().and_then(|title| title.split('"').next());
+    let title = title.expect("a cluster of a goal");
+    assert!(dot.contains("subgraph cluster_frame0 {"), "{dot}");
+    assert!(svg.contains(&format!("for {title}")), "{svg}");
+    assert!(around.contains("for "), "{around}");
+}

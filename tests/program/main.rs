@@ -7,6 +7,7 @@ mod cli;
 mod drawings;
 mod hostile;
 mod imports;
+mod pages;
 mod project;
 mod readme;
 mod schema;

@@ -11,6 +11,7 @@ use crate::engine::pipeline::Verdict;
 use crate::engine::statistics::Statistics;
 use crate::engine::words::DischargeEntry;
 use crate::line::calls::{Premise, Range, WorkTime};
+use crate::source::Span;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -310,11 +311,18 @@ pub(super) struct PremiseEntry {
     pub(super) name: String,
     /// The premise as text.
     pub(super) text: String,
+    /// Place of the declaration that it is about, for pages.
+    #[serde(skip)]
+    pub(super) place: Span,
 }
 
 impl From<Premise> for PremiseEntry {
-    fn from(Premise { name, text }: Premise) -> Self {
-        Self { name, text }
+    fn from(Premise { name, text, span }: Premise) -> Self {
+        Self {
+            name,
+            text,
+            place: span,
+        }
     }
 }
 

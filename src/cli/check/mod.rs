@@ -1,8 +1,11 @@
 //! `linewright check`: checks the consistency of every contract, machine and line found.
 
 mod assembly;
+mod changes;
 mod document;
 mod explained;
+mod flow;
+mod grounds;
 mod report;
 mod table;
 mod view;

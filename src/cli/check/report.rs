@@ -2,20 +2,22 @@
 
 use super::assembly::Assembly;
 use super::document::{ContractEntry, Document, LineEntry, MachineEntry, PlayEntry, SkillsEntry};
-use super::explained;
-use super::table::{Mark, count, how, in_words, line_verdict, seconds, summary_of_verdicts, term};
+use super::table::{Mark, by_severity, in_words, line_verdict, seconds, summary_of_verdicts, term};
+use super::{changes, explained, flow, grounds};
 use crate::contract::line::Line;
-use crate::contract::machine::Machine;
 use crate::contract::{Contract, picture as machine_picture};
+use crate::diagnostics::codes;
+use crate::diagnostics::json::Finding;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::{ClosedVerdict, RefinementVerdict};
 use crate::engine::pipeline::{CheckedContract, Verdict};
-use crate::engine::words::DischargeEntry;
+use crate::engine::words::{DischargeEntry, DischargeRuleName};
 use crate::gr1::Formula;
 use crate::line::picture as line_picture;
 use crate::report::html::contract::Rank;
 use crate::report::html::parts::{
-    Origin, drawing, findings, links, origin, section, table, table_of, tile,
+    Origin, count, drawing, figure, figures, findings, links, origin, section, table, table_of,
+    tile,
 };
 use crate::report::html::{self, contract as parts};
 use crate::source::SourceMap;
@@ -23,12 +25,14 @@ use maud::{Markup, html};
 
 /// Returns the page. It is the same for the same result.
 pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>) -> String {
+    // First what was asked about: a line stands before its machines, and these before their
+    // contracts.
     let sections = [
         ("results", "Results", true),
-        ("contracts", "Contracts", !document.contracts.is_empty()),
-        ("skills", "Skills", !document.skills.is_empty()),
-        ("machines", "Machines", !document.machines.is_empty()),
         ("lines", "Lines", !document.lines.is_empty()),
+        ("machines", "Machines", !document.machines.is_empty()),
+        ("skills", "Skills", !document.skills.is_empty()),
+        ("contracts", "Contracts", !document.contracts.is_empty()),
         ("model", "Files", true),
     ];
     let shown = sections.iter().filter(|(.., is_there)| *is_there);
@@ -46,9 +50,14 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
             @if !document.findings.is_empty() {
                 (section("findings", "Findings outside all declarations", &findings(of.sources, &document.findings)))
             }
-            @if !document.contracts.is_empty() {
-                (section("contracts", "Contracts", &html! {
-                    @for (number, entry) in document.contracts.iter().enumerate() { (contract(assembly, number, entry, of.sources)) }
+            @if !document.lines.is_empty() {
+                (section("lines", "Lines", &html! {
+                    @for (number, entry) in document.lines.iter().enumerate() { (line(assembly, document, number, entry)) }
+                }))
+            }
+            @if !document.machines.is_empty() {
+                (section("machines", "Machines", &html! {
+                    @for (number, entry) in document.machines.iter().enumerate() { (machine(assembly, number, entry)) }
                 }))
             }
             @if !document.skills.is_empty() {
@@ -56,14 +65,9 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
                     @for (number, entry) in document.skills.iter().enumerate() { (skills(number, entry, of.sources)) }
                 }))
             }
-            @if !document.machines.is_empty() {
-                (section("machines", "Machines", &html! {
-                    @for (number, entry) in document.machines.iter().enumerate() { (machine(assembly, number, entry, of.sources)) }
-                }))
-            }
-            @if !document.lines.is_empty() {
-                (section("lines", "Lines", &html! {
-                    @for (number, entry) in document.lines.iter().enumerate() { (line(assembly, number, entry, of.sources)) }
+            @if !document.contracts.is_empty() {
+                (section("contracts", "Contracts", &html! {
+                    @for (number, entry) in document.contracts.iter().enumerate() { (contract(assembly, number, entry, of.sources)) }
                 }))
             }
             // The findings are with what they are about.
@@ -95,16 +99,27 @@ fn tiles(document: &Document) -> Markup {
     let fit = |machine: &&MachineEntry| machine.verdict == Verdict::Realizable;
     html! {
         dl.tiles {
-            (tile("Contracts", &document.contracts.len().to_string(), &summary_of_verdicts(summary)))
-            @if !document.machines.is_empty() {
-                (tile("Machines", &document.machines.len().to_string(), &format!("{} realizable", document.machines.iter().filter(fit).count())))
-            }
             @if lines > 0 {
-                (tile("Lines", &lines.to_string(), &format!("{} proved", document.lines.iter().filter(proved).count())))
+                (tile("Lines", &figures(lines), &format!("{} proved", figures(document.lines.iter().filter(proved).count()))))
             }
-            (tile("Findings", &summary.findings.to_string(), ""))
+            @if !document.machines.is_empty() {
+                (tile("Machines", &figures(document.machines.len()), &format!("{} realizable", figures(document.machines.iter().filter(fit).count()))))
+            }
+            (tile("Contracts", &figures(document.contracts.len()), &summary_of_verdicts(summary)))
+            (tile("Findings", &figures(summary.findings), &by_severity(all_findings(document))))
         }
     }
+}
+
+/// All findings of the document.
+fn all_findings(document: &Document) -> impl Iterator<Item = &Finding> {
+    let lines = document.lines.iter().map(|entry| &entry.findings);
+    let machines = document.machines.iter().map(|entry| &entry.findings);
+    let skills = document.skills.iter().map(|entry| &entry.findings);
+    let contracts = document.contracts.iter().map(|entry| &entry.findings);
+    let outside = std::iter::once(&document.findings);
+    let all = lines.chain(machines).chain(skills).chain(contracts);
+    all.chain(outside).flatten()
 }
 
 /// A declaration in the table of results.
@@ -112,38 +127,26 @@ struct Row<'a> {
     id: String,
     name: &'a str,
     kind: &'static str,
-    class: &'static str,
+    mark: Mark,
     verdict: String,
     details: String,
     file: &'a str,
-    findings: usize,
+    findings: &'a [Finding],
 }
 
 /// A table of everything that was checked, with links to the details.
 fn results(document: &Document) -> Markup {
     let mut rows: Vec<Row<'_>> = Vec::new();
-    for (number, c) in document.contracts.iter().enumerate() {
+    for (number, l) in document.lines.iter().enumerate() {
         rows.push(Row {
-            id: id("contract", number),
-            name: &c.name,
-            kind: "contract",
-            class: Mark::from(c.verdict).class(),
-            verdict: in_words(c.verdict),
-            details: term(&c.codes),
-            file: &c.file,
-            findings: c.findings.len(),
-        });
-    }
-    for (number, s) in document.skills.iter().enumerate() {
-        rows.push(Row {
-            id: id("skills", number),
-            name: &s.name,
-            kind: "skills",
-            class: Mark::from(s.verdict).class(),
-            verdict: in_words(s.verdict),
-            details: format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule")),
-            file: &s.file,
-            findings: s.findings.len(),
+            id: id("line", number),
+            name: &l.name,
+            kind: "line",
+            mark: Mark::of_line(l),
+            verdict: in_words(l.verdict),
+            details: proof_in_words(l).to_owned(),
+            file: &l.file,
+            findings: &l.findings,
         });
     }
     for (number, m) in document.machines.iter().enumerate() {
@@ -151,23 +154,35 @@ fn results(document: &Document) -> Markup {
             id: id("machine", number),
             name: &m.name,
             kind: "machine",
-            class: Mark::from(m.verdict).class(),
+            mark: m.verdict.into(),
             verdict: in_words(m.verdict),
             details: count(m.components.len(), "component"),
             file: &m.file,
-            findings: m.findings.len(),
+            findings: &m.findings,
         });
     }
-    for (number, l) in document.lines.iter().enumerate() {
+    for (number, s) in document.skills.iter().enumerate() {
         rows.push(Row {
-            id: id("line", number),
-            name: &l.name,
-            kind: "line",
-            class: Mark::from(l.verdict).class(),
-            verdict: in_words(l.verdict),
-            details: line_verdict(l).to_owned(),
-            file: &l.file,
-            findings: l.findings.len(),
+            id: id("skills", number),
+            name: &s.name,
+            kind: "skills",
+            mark: s.verdict.into(),
+            verdict: in_words(s.verdict),
+            details: format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule")),
+            file: &s.file,
+            findings: &s.findings,
+        });
+    }
+    for (number, c) in document.contracts.iter().enumerate() {
+        rows.push(Row {
+            id: id("contract", number),
+            name: &c.name,
+            kind: "contract",
+            mark: c.verdict.into(),
+            verdict: in_words(c.verdict),
+            details: term(&c.codes),
+            file: &c.file,
+            findings: &c.findings,
         });
     }
     let headings = ["Name", "Kind", "Verdict", "Details", "File", "Findings"];
@@ -178,10 +193,10 @@ fn results(document: &Document) -> Markup {
             @for row in &rows { tr {
                 th scope="row" { a href=(format!("#{}", row.id)) { (row.name) } }
                 td { (row.kind) }
-                td.(row.class) { (row.verdict) }
+                td.(row.mark.with(row.findings).class()) { (row.verdict) }
                 td { (row.details) }
                 td { (row.file) }
-                td.number { (row.findings) }
+                td.counts { @match by_severity(row.findings).as_str() { "" => "none", counts => (counts) } }
             } }
         },
     )
@@ -195,16 +210,17 @@ fn id(kind: &str, number: usize) -> String {
 /// The frame of a declaration: its name, file and verdict.
 fn declaration(
     id: &str,
-    name: &str,
-    file: &str,
-    class: &str,
+    (name, file): (&str, &str),
+    mark: Mark,
     verdict: &str,
+    found: &[Finding],
     inside: &Markup,
 ) -> Markup {
+    let counts = by_severity(found);
     html! {
         article id=(id) {
-            h3 { (name) " " span.verdict.(class) { (verdict) } }
-            p.place { (file) }
+            h3 { (name) " " span.verdict.(mark.with(found).class()) { (verdict) } }
+            p.place { (file) @if !counts.is_empty() { "; " (counts) } }
             (inside)
         }
     }
@@ -217,26 +233,33 @@ fn contract(
     sources: &SourceMap,
 ) -> Markup {
     let known = assembly.contract_of(&entry.file, &entry.name);
+    let mut found = entry.findings.clone();
+    for finding in &mut found {
+        // Its help lists the changes that are shown above it.
+        if finding.code == codes::UNREALIZABLE.id && !entry.suggestions.is_empty() {
+            finding.help = None;
+        }
+    }
     let inside = html! {
         @if let Some((contract, checked)) = known {
             (parts::description(contract))
             (verdict_on_contract(contract, checked, entry, sources))
         }
-        (findings(sources, &entry.findings))
+        (findings(sources, &found))
         @if let Some((contract, _)) = known {
             details {
                 summary { "Interface and rules" }
                 (parts::interface(&contract.specification, Rank::Declaration))
-                (parts::rules(&contract.specification, sources, Rank::Declaration))
+                (parts::rules(&contract.specification, assembly.loaded.library.definitions_of(contract), sources, Rank::Declaration))
             }
         }
     };
     declaration(
         &id("contract", number),
-        &entry.name,
-        &entry.file,
-        Mark::from(entry.verdict).class(),
+        (&entry.name, &entry.file),
+        entry.verdict.into(),
         &in_words(entry.verdict),
+        &entry.findings,
         &inside,
     )
 }
@@ -249,7 +272,9 @@ fn verdict_on_contract(
     sources: &SourceMap,
 ) -> Markup {
     let specification = &contract.specification;
-    let play = checked.and_then(|c| c.explanation.as_ref()?.play.as_ref());
+    let explanation = checked.and_then(|c| c.explanation.as_ref());
+    let play = explanation.and_then(|e| e.play.as_ref());
+    let advice = explanation.and_then(|e| e.advice.as_ref());
     html! {
         @if let Some(states) = entry.states {
             p { "A controller with " (count(states, "state")) " keeps all guarantees as long as the plant keeps the assumptions; it was verified." }
@@ -276,14 +301,7 @@ fn verdict_on_contract(
                 shown.repeats_from,
             ))
         }
-        @if !entry.suggestions.is_empty() {
-            h4 { "Changes that would make it realizable" }
-            (table_of("Changes", &["Change", "In place of", "Cost"], &html! { @for change in &entry.suggestions { tr {
-                td { code { (change.text) } }
-                td { (change.replaces.as_deref().unwrap_or("")) }
-                td { (change.cost) }
-            } } }))
-        }
+        @if let (false, Some(advice)) = (entry.suggestions.is_empty(), advice) { (changes::section(contract, advice, entry)) }
         @if let Some(counter) = &entry.counterstrategy {
             p { "The counterstrategy has " (count(counter.states, "state")) "; " code { "linewright synth --counterstrategy --report FILE" } " shows it." }
         }
@@ -338,28 +356,22 @@ fn skills(number: usize, entry: &SkillsEntry, sources: &SourceMap) -> Markup {
     };
     declaration(
         &id("skills", number),
-        &entry.name,
-        &entry.file,
-        Mark::from(entry.verdict).class(),
+        (&entry.name, &entry.file),
+        entry.verdict.into(),
         &in_words(entry.verdict),
+        &entry.findings,
         &inside,
     )
 }
 
-fn machine(
-    assembly: &Assembly<'_>,
-    number: usize,
-    entry: &MachineEntry,
-    sources: &SourceMap,
-) -> Markup {
+fn machine(assembly: &Assembly<'_>, number: usize, entry: &MachineEntry) -> Markup {
     let components = entry.components.iter();
     let components =
         components.map(|c| vec![c.name.clone(), c.contract.clone(), in_words(c.verdict)]);
-    let library = &assembly.loaded.library;
-    let is_same =
-        |m: &&Machine| m.name == entry.name && sources.file(m.span.file).name == entry.file;
+    let sources = &assembly.loaded.library.sources;
+    let known = grounds::declared(entry, assembly.loaded);
     let inside = html! {
-        @if let Some(known) = library.machines.iter().find(is_same) {
+        @if let Some(known) = known {
             (drawing(&machine_picture::to_svg(known), &format!("Components of {} with their wires", entry.name)))
         }
         (table(&["Component", "Contract", "Verdict"], &components.collect::<Vec<_>>()))
@@ -371,16 +383,17 @@ fn machine(
                     ClosedVerdict::Open => "some obligation is undecided, because a component is represented by its contract",
                     ClosedVerdict::GaveUp => "the obligations were not decided within the limits",
                 })
-                @if let Some(states) = closed.states { "; their composition has " (states) " reachable states" }
+                @if let Some(states) = closed.states { "; their composition has " (figure(states as f64)) " reachable states" }
                 "."
             }
         }
+        (grounds::of_machine(entry, known, sources))
         (discharges(&entry.discharges))
         @for refined in &entry.refines {
             h4 { "Refinement of " (refined.contract) }
             p { (match refined.verdict {
                 RefinementVerdict::Refined => "The machine keeps this contract.",
-                RefinementVerdict::Broken => "The machine does not keep this contract; these obligations are discharged.",
+                RefinementVerdict::Broken => "The machine does not keep this contract; it meets these obligations (they are discharged).",
                 RefinementVerdict::GaveUp => "Whether the machine keeps this contract was not decided within the limits.",
             }) }
             (discharges(&refined.discharges))
@@ -389,15 +402,15 @@ fn machine(
     };
     declaration(
         &id("machine", number),
-        &entry.name,
-        &entry.file,
-        Mark::from(entry.verdict).class(),
+        (&entry.name, &entry.file),
+        entry.verdict.into(),
         &in_words(entry.verdict),
+        &entry.findings,
         &inside,
     )
 }
 
-/// How each assumption is discharged, and what this rests on.
+/// How each assumption is met, and what this rests on.
 fn discharges(discharges: &[DischargeEntry]) -> Markup {
     if discharges.is_empty() {
         return html! {};
@@ -406,19 +419,45 @@ fn discharges(discharges: &[DischargeEntry]) -> Markup {
     let rows = rows.map(|d| {
         vec![
             format!("{}: {}", d.component, d.assumption),
-            how(d),
+            argument(d),
             d.by.clone(),
         ]
     });
     html! {
         details {
-            summary { "How each of " (discharges.len()) " assumptions and guarantees is discharged" }
-            (table(&["Assumption or guarantee", "Rule", "Rests on"], &rows.collect::<Vec<_>>()))
+            summary { "How each of " (figures(discharges.len())) " assumptions and guarantees is met (discharged)" }
+            (table(&["Assumption or guarantee", "Why it holds", "Rests on"], &rows.collect::<Vec<_>>()))
         }
     }
 }
 
-fn line(assembly: &Assembly<'_>, number: usize, entry: &LineEntry, sources: &SourceMap) -> Markup {
+/// Why an obligation holds, in plain words with the term of the field.
+fn argument(discharge: &DischargeEntry) -> String {
+    match (discharge.rule, discharge.turn) {
+        (DischargeRuleName::Environment, _) => "assumed about the environment".to_owned(),
+        (DischargeRuleName::Exported, _) => "left to the caller".to_owned(),
+        (DischargeRuleName::Induction, _) => {
+            "holds at the start and from each step to the next (induction)".to_owned()
+        }
+        (DischargeRuleName::Justice, Some(turn)) => format!(
+            "happens again and again, shown in round {turn} of the proof (justice, turn {turn})"
+        ),
+        (DischargeRuleName::Justice, None) => "happens again and again (justice)".to_owned(),
+        (DischargeRuleName::Controllers, _) => {
+            "true of the controllers that were synthesized".to_owned()
+        }
+    }
+}
+
+/// What is proved of a line, in short.
+fn proof_in_words(line: &LineEntry) -> &'static str {
+    match line.proof {
+        Some(LineVerdict::Proved) if !line.premises.is_empty() => "proved under premises",
+        _ => line_verdict(line),
+    }
+}
+
+fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &LineEntry) -> Markup {
     let work = entry.work.iter();
     let work = work.map(|w| {
         vec![
@@ -430,9 +469,11 @@ fn line(assembly: &Assembly<'_>, number: usize, entry: &LineEntry, sources: &Sou
         ]
     });
     let library = &assembly.loaded.library;
+    let sources = &library.sources;
     let is_same = |l: &&Line| l.name == entry.name && sources.file(l.span.file).name == entry.file;
+    let known = library.lines.iter().find(is_same);
     let inside = html! {
-        @if let Some(known) = library.lines.iter().find(is_same) {
+        @if let Some(known) = known {
             (drawing(&line_picture::to_svg(known, sources), &format!("Places of {} with their routes", entry.name)))
         }
         p { (match entry.proof {
@@ -442,13 +483,18 @@ fn line(assembly: &Assembly<'_>, number: usize, entry: &LineEntry, sources: &Sou
             Some(LineVerdict::GaveUp) => "The proof reached a limit: nothing is known.",
             None => "There is no proof, because the line cannot be run.",
         }) }
-        @if !entry.premises.is_empty() {
-            h4 { "Provided that" }
-            (table(&["Premise", "Text"], &entry.premises.iter().map(|p| vec![p.name.clone(), p.text.clone()]).collect::<Vec<_>>()))
+        @if entry.proof.is_some() { (grounds::of_line(entry, known, document, assembly.loaded)) }
+        @if !entry.undecided.is_empty() {
+            p { "Not decided:" }
+            ul { @for goal in &entry.undecided { li { (goal) } } }
         }
-        @if !entry.undecided.is_empty() { p { "Not decided: " (entry.undecided.join(", ")) "." } }
         @if !entry.not_controlled.is_empty() {
             p { "These stations are given by their times. The proof takes for granted that their work ends: " (entry.not_controlled.join(", ")) "." }
+        }
+        @if let Some(slowest) = known.and_then(|line| flow::slowest(line, &entry.work)) {
+            h4 { "Slowest station" }
+            p { (slowest) }
+            p.hint { "This bound counts the work alone: failures, setup, transport and calendars make the line slower." }
         }
         @if !entry.work.is_empty() {
             h4 { "Time of the work on a part, without failures" }
@@ -457,16 +503,16 @@ fn line(assembly: &Assembly<'_>, number: usize, entry: &LineEntry, sources: &Sou
         (discharges(&entry.discharges))
         (findings(sources, &entry.findings))
     };
-    let verdict = match line_verdict(entry) {
+    let verdict = match proof_in_words(entry) {
         "" => in_words(entry.verdict),
         proof => format!("{}, {proof}", in_words(entry.verdict)),
     };
     declaration(
         &id("line", number),
-        &entry.name,
-        &entry.file,
-        Mark::from(entry.verdict).class(),
+        (&entry.name, &entry.file),
+        Mark::of_line(entry),
         &verdict,
+        &entry.findings,
         &inside,
     )
 }

@@ -1,6 +1,7 @@
 //! Formats the result of `check` as text: one line per declaration, and a summary.
 
 use super::document::{Document, LineEntry, SkillsVerdict, Summary, Validity};
+use crate::diagnostics::json::Finding;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::RefinementVerdict;
 use crate::engine::pipeline::Verdict;
@@ -17,10 +18,12 @@ const DIM: Style = Style::new().dimmed();
 
 const COLUMNS: usize = 8;
 
-/// Mark at the beginning of a table line.
-#[derive(Clone, Copy)]
+/// Mark of a verdict: at the beginning of a table line, or before the verdict on a page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Mark {
     Good,
+    /// Good, but there are warnings.
+    Warned,
     Bad,
     Open,
     Failed,
@@ -30,6 +33,7 @@ impl Mark {
     fn shown(self) -> (Style, char) {
         match self {
             Self::Good => (GOOD, '✓'),
+            Self::Warned => (OPEN, '⚠'),
             Self::Bad => (BAD, '✗'),
             Self::Open => (OPEN, '?'),
             Self::Failed => (BAD, '!'),
@@ -40,8 +44,27 @@ impl Mark {
     pub(super) fn class(self) -> &'static str {
         match self {
             Self::Good => "good",
+            Self::Warned => "warned",
             Self::Open => "open",
             Self::Bad | Self::Failed => "bad",
+        }
+    }
+
+    /// The mark of something with these findings: warnings are not hidden behind a good one.
+    pub(super) fn with(self, findings: &[Finding]) -> Self {
+        let has_warnings = findings.iter().any(|f| f.severity == "warning");
+        match self {
+            Self::Good if has_warnings => Self::Warned,
+            other => other,
+        }
+    }
+
+    /// The mark of a line: of its verdict, or of its proof if the verdict is good.
+    pub(super) fn of_line(line: &LineEntry) -> Self {
+        match (Self::from(line.verdict), line.proof) {
+            (Self::Good, Some(LineVerdict::Open)) => Self::Bad,
+            (Self::Good, Some(LineVerdict::Safe | LineVerdict::GaveUp)) => Self::Open,
+            (mark, _) => mark,
         }
     }
 }
@@ -81,6 +104,19 @@ impl From<Validity> for Mark {
 /// Formats a verdict for the table: `gave up`.
 pub(super) fn in_words(verdict: impl fmt::Display) -> String {
     verdict.to_string().replace('_', " ")
+}
+
+/// The number of findings of each severity: `2 warnings, 1 note`; empty if there are none.
+pub(super) fn by_severity<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> String {
+    let mut counts = [("error", 0), ("warning", 0), ("note", 0)];
+    for finding in findings {
+        for (severity, number) in &mut counts {
+            *number += usize::from(finding.severity == *severity);
+        }
+    }
+    let counts = counts.iter().filter(|(_, number)| *number > 0);
+    let counts: Vec<String> = counts.map(|(what, number)| count(*number, what)).collect();
+    counts.join(", ")
 }
 
 /// A row of the table, before the columns are aligned.

@@ -18,9 +18,12 @@ for (let index = 0; index < files.length; index += 2) {
   page.on("pageerror", (error) => problem(`error: ${error.message}`));
   await page.goto(pathToFileURL(file).href, { waitUntil: "load" });
   await page.waitForSelector("html[data-ready]", { timeout: 20000 });
-  const made = readFileSync(steps, "utf8").split("\n").filter((line) => line).map((line) => JSON.parse(line)).filter((line) => "step" in line);
+  // Numbers that would be rounded are read as text.
+  const read = (line) => JSON.parse(line.replace(/:\s*(-?\d{16,})/g, ':"$1"'));
+  const made = readFileSync(steps, "utf8").split("\n").filter((line) => line).map(read).filter((line) => "step" in line);
   for (const problem of await page.evaluate(compare, made)) console.log(`${file}: ${problem}`);
   if (made.length > 1) await use(page, problem);
+  if (await page.$("#diagram")) await zoom(page, problem);
   await page.close();
 }
 await browser.close();
@@ -97,6 +100,50 @@ async function use(page, problem) {
     found.other ||= await named("other", "why");
     found.own ||= await named("own", "status");
   }
+  const { definitions } = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent));
+  const isNamed = (rule) => definitions.some((defined) => defined.value !== undefined && rule.text.includes(defined.name));
+  const inner = await page.$$eval("#status li .definitions li", (all) => all.map((entry) => entry.textContent));
+  if (found.own && rules.filter((rule) => rule.own).every(isNamed)) {
+    expect(inner.some((text) => /, defined as .* (would be|was) (true|false)/.test(text)), "a refused move does not show the values of definitions");
+  }
   if (rules.some((rule) => !rule.own)) expect(found.other, "no other answer breaks a rule");
   if (rules.some((rule) => rule.own)) expect(found.own, "no move is refused with a rule");
+}
+
+// Changes the size of the state diagram by buttons and keys, and sees that it follows the walk without moving the page.
+async function zoom(page, problem) {
+  const expect = (holds, what) => { if (!holds) problem(what); };
+  const width = () => page.$eval("#diagram svg", (svg) => svg.getBoundingClientRect().width);
+  const drawn = await page.$eval("#diagram svg", (svg) => +svg.getAttribute("width"));
+  const isAbout = (a, b) => Math.abs(a - b) < 1;
+  expect(isAbout(await width(), drawn), "the diagram does not begin as it was drawn");
+  await page.click("#larger");
+  expect(isAbout(await width(), 1.25 * drawn), "a button does not make the diagram larger");
+  await page.focus("#diagram");
+  await page.keyboard.press("-");
+  await page.keyboard.press("-");
+  expect(isAbout(await width(), 0.8 * drawn), "a key does not make the diagram smaller");
+  await page.keyboard.press("0");
+  expect(await page.$eval("#diagram", (diagram) => diagram.scrollWidth <= diagram.clientWidth + 1 && diagram.scrollHeight <= diagram.clientHeight + 1), "the diagram does not fit the page");
+  await page.keyboard.press("w");
+  expect(await page.$eval("#diagram", (diagram) => diagram.scrollWidth <= diagram.clientWidth + 1), "the diagram does not fit the width");
+  await page.keyboard.press("1");
+  expect(isAbout(await width(), drawn), "a key does not show the diagram as drawn");
+  for (let times = 0; times < 12; times++) await page.click("#larger");
+  for (let move = 0; move < 6; move++) {
+    await page.evaluate(() => globalThis.scrollTo({ top: 0, behavior: "instant" }));
+    const before = await page.evaluate(() => globalThis.scrollY);
+    await page.$eval("#random", (button) => button.click());
+    expect((await page.evaluate(() => globalThis.scrollY)) === before, "the walk moves the page");
+    const isShown = await page.evaluate(() => {
+      const [diagram, state] = [document.querySelector("#diagram"), document.querySelector("#diagram .state.current")];
+      if (!state) return true;
+      const [inside, outside] = [state.getBoundingClientRect(), diagram.getBoundingClientRect()];
+      const [x, y] = [inside.left + inside.width / 2, inside.top + inside.height / 2];
+      return outside.left <= x && x <= outside.right && outside.top <= y && y <= outside.bottom;
+    });
+    expect(isShown, "the diagram does not follow the walk");
+  }
+  const meaning = await page.$eval(".notation", (list) => list.textContent);
+  expect(["before the slash", "!x", "from the dot"].every((words) => meaning.includes(words)), "the notation is not explained");
 }

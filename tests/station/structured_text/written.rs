@@ -59,8 +59,8 @@ fn formulas_in_comments_have_all_their_brackets() {
         text.expect("a written file")
     };
     let (block, source) = (read("Odd.st"), read("Odd.c"));
-    let assumed = "both: always (a -> b) and (b -> a)";
-    let promised = "odd: always (c -> a) and (not (a and b) or (c))";
+    let assumed = "both: always ((a -> b) and (b -> a))";
+    let promised = "odd: always ((c -> a) and (not (a and b) or (c)))";
     assert!(block.contains(&format!("  {assumed}\n")), "{block}");
     assert!(block.contains(&format!("  {promised}\n")), "{block}");
     assert!(source.contains(&format!("/* {assumed} */")), "{source}");

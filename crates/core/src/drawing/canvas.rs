@@ -91,9 +91,8 @@ impl Canvas {
         self.shapes.push(Shape::Rectangle(corner, size, style));
     }
 
-    /// Adds a box with its label, around its center. Its size is that of [`box_size`].
-    pub fn labeled_box(&mut self, center: Point, label: &[String], style: BoxStyle) {
-        let size = box_size(label, style);
+    /// Adds a box with its label, around its center. It is at least as large as [`box_size`].
+    pub fn labeled_box(&mut self, center: Point, size: Size, label: &[String], style: BoxStyle) {
         let attributes = match style {
             BoxStyle::State => "class=\"state\" rx=\"8\" fill=\"aliceblue\" stroke=\"black\"",
             BoxStyle::Coordinator => "fill=\"lemonchiffon\" stroke=\"black\"",
@@ -160,13 +159,18 @@ impl Canvas {
 
     /// Adds a line of a legend or a table, and enlarges the canvas for it.
     pub fn write(&mut self, x: f64, base: f64, is_bold: bool, content: &str) {
-        let width = text::width(content, LABEL_FONT, is_bold);
-        self.size.width = self.size.width.max(x + width);
-        self.size.height = self.size.height.max(base + 0.3 * LABEL_FONT);
+        self.write_in(LABEL_FONT, Point { x, y: base }, is_bold, content);
+    }
+
+    /// Adds a line of text in a font size, and enlarges the canvas for it.
+    pub fn write_in(&mut self, font: f64, at: Point, is_bold: bool, content: &str) {
+        let width = text::width(content, font, is_bold);
+        self.size.width = self.size.width.max(at.x + width);
+        self.size.height = self.size.height.max(at.y + 0.3 * font);
         self.shapes.push(Shape::Text(Text {
-            at: Point { x, y: base },
+            at,
             anchor: Anchor::Start,
-            font: LABEL_FONT,
+            font,
             is_bold,
             content: content.to_owned(),
         }));

@@ -50,6 +50,30 @@ fn body(text: &mut String, graph: &Graph, prefix: &str, indent: &str) {
             quoted(&edge.label)
         );
     }
+    for (number, frame) in graph.frames.iter().enumerate() {
+        if frame.parent.is_none() {
+            cluster(text, graph, number, prefix, indent);
+        }
+    }
+}
+
+/// Adds a frame, with the frames in it, as a cluster.
+fn cluster(text: &mut String, graph: &Graph, number: usize, prefix: &str, indent: &str) {
+    let frame = &graph.frames[number];
+    let title = quoted(std::slice::from_ref(&frame.title));
+    let _ = writeln!(
+        text,
+        "{indent}subgraph cluster_{prefix}frame{number} {{\n{indent}  label={title}; style=dashed;"
+    );
+    for state in &frame.states {
+        let _ = writeln!(text, "{indent}  {prefix}s{state};");
+    }
+    let deeper = format!("{indent}  ");
+    let inner = graph.frames.iter().enumerate();
+    for (inner, _) in inner.filter(|(_, inner)| inner.parent == Some(number)) {
+        cluster(text, graph, inner, prefix, &deeper);
+    }
+    let _ = writeln!(text, "{indent}}}");
 }
 
 /// Joins lines into one quoted label.
@@ -59,4 +83,40 @@ fn quoted(lines: &[String]) -> String {
         .map(|l| l.replace('\\', "\\\\").replace('"', "\\\""))
         .collect();
     format!("\"{}\"", escaped.join("\\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Frame;
+    use super::*;
+
+    #[test]
+    fn frames_are_clusters_with_those_in_them() {
+        let frame = |title: &str, parent: Option<usize>, states: Vec<usize>| Frame {
+            title: title.to_owned(),
+            parent,
+            states,
+        };
+        let graph = Graph {
+            states: (0..3).map(|state| vec![format!("S{state}")]).collect(),
+            frames: vec![
+                frame("for \"home\"", None, vec![0]),
+                frame("inner", Some(0), vec![2]),
+            ],
+            ..Graph::default()
+        };
+        let text = render("Turn", &graph);
+        let clusters = text.find("  subgraph").map(|at| &text[at..]);
+        let wanted = r#"  subgraph cluster_frame0 {
+    label="for \"home\""; style=dashed;
+    s0;
+    subgraph cluster_frame1 {
+      label="inner"; style=dashed;
+      s2;
+    }
+  }
+}
+"#;
+        assert_eq!(clusters, Some(wanted), "{text}");
+    }
 }

@@ -240,7 +240,7 @@ pub fn place_in_frames(
 }
 
 /// The part of a side on which links end, in proportion to it: not at the corners.
-const SIDE: f64 = 0.7;
+pub(super) const SIDE: f64 = 0.7;
 
 /// One of the two ends of a link.
 struct LinkEnd {

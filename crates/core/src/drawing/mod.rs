@@ -28,7 +28,8 @@ pub struct Graph {
 
 impl Graph {
     /// Returns the part of the graph around a state: the states that at most `steps` edges, in
-    /// either direction, separate from it, and the edges between them. Frames are left out.
+    /// either direction, separate from it, and the edges between them. Frames keep the states that
+    /// are shown.
     #[must_use]
     pub fn around(&self, state: usize, steps: usize) -> Self {
         let mut is_near = vec![false; self.states.len()];
@@ -64,8 +65,35 @@ impl Graph {
                 .filter_map(|state| self.styles.get(*state).copied())
                 .collect(),
             edges: edges.collect(),
-            frames: Vec::new(),
+            frames: self.frames_around(number),
         }
+    }
+
+    /// Returns the frames with the states that have a new `number`, without those that are empty.
+    fn frames_around(&self, number: impl Fn(usize) -> Option<usize>) -> Vec<Frame> {
+        let mut kept: Vec<Frame> = self.frames.clone();
+        let mut is_used: Vec<bool> = Vec::new();
+        for frame in &mut kept {
+            frame.states = frame.states.iter().copied().filter_map(&number).collect();
+            is_used.push(!frame.states.is_empty());
+        }
+        // A frame follows the one around it.
+        for (index, frame) in kept.iter().enumerate().rev() {
+            if let Some(parent) = frame.parent
+                && is_used[index]
+            {
+                is_used[parent] = true;
+            }
+        }
+        let place = |frame: usize| is_used[..frame].iter().filter(|used| **used).count();
+        let frames = kept.into_iter().enumerate();
+        let frames = frames.filter(|(index, _)| is_used[*index]);
+        frames
+            .map(|(_, frame)| Frame {
+                parent: frame.parent.map(place),
+                ..frame
+            })
+            .collect()
     }
 
     /// Returns how a state looks.
@@ -121,4 +149,37 @@ pub struct Region {
     pub title: String,
     /// Graph shown in the region.
     pub graph: Graph,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_part_around_a_state_keeps_its_frames() {
+        let frame = |title: &str, parent: Option<usize>, states: &[usize]| Frame {
+            title: title.to_owned(),
+            parent,
+            states: states.to_vec(),
+        };
+        let edge = |from: usize| Edge {
+            from: Some(from),
+            to: from + 1,
+            label: Vec::new(),
+        };
+        let graph = Graph {
+            states: (0..5).map(|state| vec![format!("S{state}")]).collect(),
+            edges: (0..4).map(edge).collect(),
+            frames: vec![
+                frame("far", None, &[0]),
+                frame("outer", None, &[]),
+                frame("inner", Some(1), &[2, 3]),
+            ],
+            ..Graph::default()
+        };
+        let around = graph.around(4, 1);
+        assert_eq!(around.states, [["S3"], ["S4"]]);
+        let wanted = [frame("outer", None, &[]), frame("inner", Some(0), &[0])];
+        assert_eq!(around.frames, wanted);
+    }
 }

@@ -1,15 +1,18 @@
 //! Timing diagrams: the values of signals over steps, as SVG.
 
-use super::canvas::{Anchor, Canvas, LABEL_FONT, MARGIN, Shape, Text};
+use super::canvas::{Anchor, Canvas, MARGIN, STATE_FONT as FONT, Shape, Text};
 use super::layers::{Point, Size};
 use super::svg::PAGE_WIDTH;
 use super::text;
 
 /// Height of a signal, in SVG units.
-const HEIGHT: f64 = 20.0;
+const HEIGHT: f64 = 30.0;
 
 /// Distance between two signals, in SVG units.
-const ROW: f64 = 30.0;
+const ROW: f64 = 46.0;
+
+/// Height of the line with the title of a group, in SVG units.
+const TITLE: f64 = 30.0;
 
 /// Height of the line with the numbers of the steps, in SVG units.
 const HEADING: f64 = 20.0;
@@ -18,7 +21,7 @@ const HEADING: f64 = 20.0;
 const GAP: f64 = 18.0;
 
 /// Least and greatest width of a step, in SVG units.
-const STEP: [f64; 2] = [26.0, 150.0];
+const STEP: [f64; 2] = [40.0, 150.0];
 
 /// Room for the last line between steps, in SVG units.
 const BORDER: f64 = 1.0;
@@ -26,7 +29,9 @@ const BORDER: f64 = 1.0;
 /// Width of the edges at which a word begins and ends, in SVG units.
 const SLOPE: f64 = 4.0;
 
-const WAVE: &str = "stroke=\"black\" stroke-width=\"1.4\" fill=\"none\"";
+const WAVE: &str = "stroke=\"black\" stroke-width=\"2\" fill=\"none\"";
+const HIGH: &str = "fill=\"lightsteelblue\" fill-opacity=\"0.45\"";
+const BASE: &str = "stroke=\"gray\" stroke-width=\"1\" fill=\"none\"";
 const WORD: &str = "stroke=\"black\" stroke-width=\"1.1\" fill=\"aliceblue\"";
 const UNKNOWN: &str =
     "stroke=\"silver\" stroke-width=\"1\" fill=\"whitesmoke\" stroke-dasharray=\"3 3\"";
@@ -74,15 +79,15 @@ pub fn render(name: &str, diagram: &TimingDiagram) -> String {
 
 fn picture(diagram: &TimingDiagram, limit: f64) -> Canvas {
     let signals = || diagram.groups.iter().flat_map(|(_, signals)| signals);
-    let names = signals().map(|signal| text::width(&signal.name, LABEL_FONT, false));
+    let names = signals().map(|signal| text::width(&signal.name, FONT, false));
     let titles = diagram.groups.iter();
-    let titles = titles.map(|(title, _)| text::width(title, LABEL_FONT, true));
+    let titles = titles.map(|(title, _)| text::width(title, FONT, true));
     let left = (names.chain(titles).fold(0.0, f64::max) + 12.0).min(limit / 2.0);
     let room = signals()
         .flat_map(|signal| runs(&signal.values))
         .map(|(level, from, to)| {
             let Level::Word(word) = level else { return 0.0 };
-            (text::width(word, LABEL_FONT, false) + 2.0 * SLOPE + 6.0) / (to - from) as f64
+            (text::width(word, FONT, false) + 2.0 * SLOPE + 6.0) / (to - from) as f64
         });
     let step = room.fold(STEP[0], f64::max).min(STEP[1]);
     let in_row = (((limit - left - BORDER) / step).floor() as usize).max(1);
@@ -107,8 +112,8 @@ fn picture(diagram: &TimingDiagram, limit: f64) -> Canvas {
         } else {
             format!("Steps {from} to {last} repeat for ever.")
         };
-        let base = canvas.size.height + LABEL_FONT + 6.0;
-        canvas.write(0.0, base, false, &steps);
+        let base = canvas.size.height + FONT + 6.0;
+        canvas.write_in(FONT, Point { x: 0.0, y: base }, false, &steps);
     }
     canvas
 }
@@ -143,11 +148,11 @@ impl Part<'_> {
             .iter()
             .filter(|(title, _)| !title.is_empty());
         let signals = self.diagram.groups.iter().map(|(_, signals)| signals.len());
-        let rows = titles.count() + signals.sum::<usize>();
+        let rows = signals.sum::<usize>();
         let mut canvas = Canvas {
             size: Size {
                 width: self.x(self.to) + BORDER,
-                height: HEADING + rows as f64 * ROW,
+                height: HEADING + titles.count() as f64 * TITLE + rows as f64 * ROW,
             },
             shapes: Vec::new(),
         };
@@ -155,16 +160,19 @@ impl Part<'_> {
         let mut y = HEADING;
         for (title, signals) in &self.diagram.groups {
             if !title.is_empty() {
-                canvas.write(0.0, y + ROW / 2.0 + 4.0, true, title);
-                y += ROW;
+                let base = Point {
+                    x: 0.0,
+                    y: y + TITLE / 2.0 + 4.0,
+                };
+                canvas.write_in(FONT, base, true, title);
+                y += TITLE;
             }
             for signal in signals {
-                canvas.write(
-                    0.0,
-                    y + ROW / 2.0 + 4.0,
-                    false,
-                    &fitting(&signal.name, self.left),
-                );
+                let base = Point {
+                    x: 0.0,
+                    y: y + ROW / 2.0 + 4.0,
+                };
+                canvas.write_in(FONT, base, false, &fitting(&signal.name, self.left));
                 self.signal(&mut canvas, y + (ROW - HEIGHT) / 2.0, signal);
                 y += ROW;
             }
@@ -190,11 +198,7 @@ impl Part<'_> {
                 .push(Shape::Rectangle(Point { x, y: 0.0 }, size, REPEATED));
         }
         // A number has room if it is narrower than the steps that it stands for.
-        let widest = text::width(
-            &(self.diagram.first + self.to).to_string(),
-            LABEL_FONT,
-            false,
-        );
+        let widest = text::width(&(self.diagram.first + self.to).to_string(), FONT, false);
         let each = ((widest + 6.0) / self.step).ceil().max(1.0) as usize;
         for step in self.from..=self.to {
             let x = self.x(step);
@@ -207,7 +211,7 @@ impl Part<'_> {
                         y: HEADING - 6.0,
                     },
                     anchor: Anchor::Middle,
-                    font: LABEL_FONT,
+                    font: FONT,
                     is_bold: false,
                     content: (self.diagram.first + step).to_string(),
                 }));
@@ -215,9 +219,11 @@ impl Part<'_> {
         }
     }
 
-    /// Draws a signal between `top` and `top + HEIGHT`.
+    /// Draws a signal between `top` and `top + HEIGHT`. Bits have a line at the low level in all
+    /// steps, and the high level is filled down to it.
     fn signal(&self, canvas: &mut Canvas, top: f64, signal: &Signal) {
         let values = signal.values.get(self.from..self.to).unwrap_or_default();
+        self.base(canvas, top, values);
         let mut wave: Vec<Point> = Vec::new();
         for (level, from, to) in runs(values) {
             let [left, right] = [from, to].map(|step| self.x(self.from + step));
@@ -250,10 +256,30 @@ impl Part<'_> {
                     y: middle,
                 };
                 let word = fitting(word, right - left - 2.0 * SLOPE);
-                canvas.lines(center, &[word], LABEL_FONT, false);
+                canvas.lines(center, &[word], FONT, false);
             }
         }
         finish(canvas, &mut wave);
+    }
+
+    /// Draws what is behind the wave of a signal: the low level, and what is below the high one.
+    fn base(&self, canvas: &mut Canvas, top: f64, values: &[Level]) {
+        for (level, from, to) in runs(values) {
+            if *level == Level::Bit(true) {
+                let [left, right] = [from, to].map(|step| self.x(self.from + step));
+                let size = Size {
+                    width: right - left,
+                    height: HEIGHT,
+                };
+                let corner = Point { x: left, y: top };
+                canvas.shapes.push(Shape::Rectangle(corner, size, HIGH));
+            }
+        }
+        if values.iter().any(|level| matches!(level, Level::Bit(_))) {
+            let [left, right] = [self.from, self.to].map(|step| self.x(step));
+            let line = [left, right].map(|x| Point { x, y: top + HEIGHT }).to_vec();
+            canvas.shapes.push(Shape::Line(line, BASE));
+        }
     }
 }
 
@@ -266,7 +292,7 @@ fn finish(canvas: &mut Canvas, wave: &mut Vec<Point>) {
 
 /// Cuts a text off where it becomes too wide.
 fn fitting(content: &str, room: f64) -> String {
-    let width = |text: &str| text::width(text, LABEL_FONT, false);
+    let width = |text: &str| text::width(text, FONT, false);
     if width(content) <= room {
         return content.to_owned();
     }
@@ -322,6 +348,29 @@ mod tests {
             waves.filter(|s| matches!(s, Shape::Line(_, WAVE))).count(),
             1
         );
+    }
+
+    #[test]
+    fn bits_have_a_line_at_the_low_level_and_words_have_none() {
+        let word = signal("command", vec![Level::Word("none".to_owned()); 3]);
+        let bits = [false, true, false].map(Level::Bit).to_vec();
+        let canvas = picture(&timing(vec![word, signal("done", bits)], 3, None), LIMIT);
+        let lines = |style: &str| {
+            let shapes = canvas.shapes.iter();
+            let lines = shapes.filter_map(|shape| match shape {
+                Shape::Line(points, of) if *of == style => Some(points.clone()),
+                _ => None,
+            });
+            lines.collect::<Vec<_>>()
+        };
+        let ([base], [wave]) = (
+            lines(BASE).try_into().expect("one"),
+            lines(WAVE).try_into().expect("one"),
+        );
+        let (base, wave): (Vec<Point>, Vec<Point>) = (base, wave);
+        assert_eq!(base, [wave[0], *wave.last().expect("a wave")]);
+        let high = |shape: &&Shape| matches!(shape, Shape::Rectangle(corner, size, HIGH) if *corner == wave[2] && (size.width - STEP[0]).abs() < 0.1);
+        assert_eq!(canvas.shapes.iter().filter(high).count(), 1);
     }
 
     #[test]

@@ -48,6 +48,17 @@ struct At<'a> {
     quantifiers: Vec<EnclosingQuantifier<'a>>,
 }
 
+impl Place {
+    /// The temporal operators for which the place stands.
+    fn words(self) -> &'static str {
+        match self {
+            Self::Top => "",
+            Self::Always => "always ",
+            Self::Justice => "always eventually ",
+        }
+    }
+}
+
 impl At<'_> {
     fn under(&self, place: Place) -> Self {
         Self {
@@ -99,6 +110,35 @@ impl Label<'_> {
     /// Returns the source text of a formula on one line.
     fn text(&self, span: Span) -> String {
         one_line(self.sources.text(span))
+    }
+
+    /// Returns the source text of a formula after the temporal operators `words`, in brackets if it
+    /// has some in the source, or if the operators would otherwise belong to its first operand.
+    fn text_under(&self, words: &str, formula: &ast::Expr) -> String {
+        let text = self.text(formula.span);
+        let binds_looser = match &formula.kind {
+            ExprKind::Binary(op, ..) => matches!(
+                op,
+                BinaryOp::Iff | BinaryOp::Implies | BinaryOp::Or | BinaryOp::Xor | BinaryOp::And
+            ),
+            ExprKind::Since(..) => true,
+            _ => false,
+        };
+        if words.is_empty() {
+            text
+        } else if binds_looser || self.is_in_brackets(formula.span) {
+            format!("{words}({text})")
+        } else {
+            format!("{words}{text}")
+        }
+    }
+
+    /// Whether brackets around this place in the source enclose nothing else.
+    fn is_in_brackets(&self, span: Span) -> bool {
+        let text = &self.sources.file(span.file).text;
+        let before = text.get(..span.start as usize).unwrap_or_default();
+        let after = text.get(span.end as usize..).unwrap_or_default();
+        before.trim_end().ends_with('(') && after.trim_start().starts_with(')')
     }
 }
 
@@ -261,16 +301,13 @@ fn leaf<'a>(
         e.findings.push(finding);
         return false;
     }
-    let (kind, temporal) = match place {
-        Place::Top => (FormulaKind::Initial, ""),
-        Place::Always if primed => (FormulaKind::Safety, "always "),
-        Place::Always => (FormulaKind::Invariant, "always "),
-        Place::Justice => (FormulaKind::Justice, "always eventually "),
+    let kind = match place {
+        Place::Top => FormulaKind::Initial,
+        Place::Always if primed => FormulaKind::Safety,
+        Place::Always => FormulaKind::Invariant,
+        Place::Justice => FormulaKind::Justice,
     };
-    let origin = Origin {
-        text: format!("{temporal}{}{}", label.text(formula.span), at.instance),
-        ..origin(formula, at, label)
-    };
+    let origin = origin(formula, at, label);
     let obligation = Obligation { kind, expr };
     add_obligations(
         e,
@@ -283,13 +320,13 @@ fn leaf<'a>(
     true
 }
 
-/// Returns the name, position and text of a formula.
+/// Returns the name, position and text of a formula, with the temporal operators around it.
 fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
     Origin {
         name: label.name.clone(),
         requirement: label.requirement.clone(),
         span: formula.span,
-        text: format!("{}{}", label.text(formula.span), at.instance),
+        text: label.text_under(at.place.words(), formula) + &at.instance,
     }
 }
 
@@ -324,6 +361,45 @@ fn add_obligations(
 #[cfg(test)]
 mod tests {
     use super::one_line;
+    use crate::contract::load;
+    use std::fmt::Write as _;
+
+    #[test]
+    fn the_text_of_a_formula_keeps_its_brackets() {
+        let mut source = "contract A {\n    input a, b: bool\n    output c: bool\n".to_owned();
+        let formulas = [
+            ("a -> c", "a -> c"),
+            ("always (a -> c)", "always (a -> c)"),
+            ("always c", "always c"),
+            ("always (next c)", "always (next c)"),
+            ("always eventually (c or b)", "always eventually (c or b)"),
+            ("always (a -> eventually c)", "always (a -> eventually c)"),
+            (
+                "always (forall i in 0..0: a -> c)",
+                "always (forall i in 0..0: a -> c)",
+            ),
+            (
+                "always ((a or b -> c) and eventually c)",
+                "always (a or b -> c)",
+            ),
+        ];
+        for (formula, _) in formulas {
+            let _ = writeln!(source, "    guarantee {formula}");
+        }
+        source += "}\n";
+        let none = |path: &str, _: &str| Err(format!("{path} is not needed"));
+        let (library, findings) = load(&[("a.lw".to_owned(), source)], &none);
+        let [contract] = library.contracts.as_slice() else {
+            panic!("{findings:?}");
+        };
+        let guarantees = &contract.specification.guarantees;
+        for (number, (_, wanted)) in formulas.iter().enumerate() {
+            let name = format!("guarantee {}", number + 1);
+            let mut own = guarantees.all().filter(|formula| formula.name == name);
+            let texts: Vec<&str> = own.by_ref().map(|formula| formula.text.as_str()).collect();
+            assert!(texts.contains(wanted), "{wanted:?} is not in {texts:?}");
+        }
+    }
 
     #[test]
     fn a_text_in_one_line_has_no_comments() {

@@ -353,7 +353,7 @@ pub(super) fn instantiate(
 
 /// Brings the types, constants, variables, counters and defines of the contract into scope. Reports
 /// duplicate names.
-fn declare<'a>(
+pub(super) fn declare<'a>(
     e: &mut Elaborator<'a>,
     contract: &'a ast::Contract,
     variables: &mut Vec<Variable>,

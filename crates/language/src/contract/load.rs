@@ -1,5 +1,6 @@
 //! Loading: follows imports, resolves every file in its own scope, and builds the library.
 
+use super::definitions::definitions;
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
 use super::set::{Changes, SettableNumber, Settings, Target};
@@ -431,7 +432,11 @@ fn resolve(
             ast::Item::Contract(c) => {
                 taxonomy_codes(&c.header.codes, findings);
                 match instantiate(scope, sources, c, &none, None, findings) {
-                    Some(contract) => library.contracts.push(contract),
+                    Some(contract) => {
+                        let used = definitions(scope, sources, c);
+                        library.definitions.insert(contract.span, used);
+                        library.contracts.push(contract);
+                    }
                     None => library.refused_contracts.push(refused(&c.header)),
                 }
             }

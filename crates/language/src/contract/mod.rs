@@ -4,6 +4,7 @@
 
 pub mod calendar;
 pub mod date;
+mod definitions;
 pub mod distribution;
 mod elaborate;
 mod formula;
@@ -26,6 +27,7 @@ mod units;
 mod uses;
 mod value;
 
+pub use definitions::{DefinedValue, Definition};
 pub use load::{load, load_with, settable};
 pub use table::MAX_ROWS;
 pub use units::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration, is_energy};
@@ -33,6 +35,7 @@ pub use units::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration, is_energy};
 use crate::order::Skills;
 use linewright_core::gr1::Specification;
 use linewright_core::source::{FileId, SourceMap, Span};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// All declarations of a set of files, with names resolved.
@@ -42,6 +45,8 @@ pub struct Library {
     pub sources: SourceMap,
     /// Contracts with their default parameters, in order of file and position.
     pub contracts: Vec<Contract>,
+    /// The definitions that each contract uses, by the place of the contract's name.
+    pub definitions: BTreeMap<Span, Vec<Definition>>,
     /// Machines, in order of file and position.
     pub machines: Vec<machine::Machine>,
     /// Lines, in order of file and position.
@@ -61,6 +66,15 @@ pub struct Library {
     pub malformed_files: Vec<FileId>,
     /// Tables that statements name; the other sources are text of the language.
     pub tables: Vec<FileId>,
+}
+
+impl Library {
+    /// Returns the definitions that the rules of a contract use.
+    pub fn definitions_of(&self, contract: &Contract) -> &[Definition] {
+        self.definitions
+            .get(&contract.span)
+            .map_or(&[], Vec::as_slice)
+    }
 }
 
 /// A code of a standard's taxonomy: `din:4.3.1` or `vdi:Drehen`.

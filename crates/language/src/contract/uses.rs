@@ -10,7 +10,7 @@ mod mentions;
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
-use mentions::Mentions;
+pub(super) use mentions::Mentions;
 
 /// Errors that can hide a use of a declaration.
 pub(super) struct PossibleUses<'d> {

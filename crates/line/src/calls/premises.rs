@@ -3,6 +3,7 @@
 use super::{Calls, orders};
 use crate::abstraction::Shape;
 use crate::abstraction::words::an;
+use linewright_core::source::Span;
 use linewright_language::contract::line::{BufferOrder, Line, NodeKind, Supply};
 
 /// A premise of a proof that the line itself does not establish.
@@ -12,6 +13,15 @@ pub struct Premise {
     pub name: String,
     /// In words, such as `the stock of Brick at warehouse does not run out`.
     pub text: String,
+    /// Place of the declaration that it is about.
+    pub span: Span,
+}
+
+impl Premise {
+    /// Whether the other premise says the same.
+    fn is_same(&self, other: &Self) -> bool {
+        (&self.name, &self.text) == (&other.name, &other.text)
+    }
 }
 
 /// The premises of a line. `line` is as the user wrote it, and `calls` is the result of exploring
@@ -20,7 +30,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     let mut found = Vec::new();
     let continued = orders::needed(&calls.simplified(line));
     for (node, declared) in line.nodes.iter().enumerate() {
-        let name = &declared.name;
+        let (name, span) = (&declared.name, declared.span);
         match &declared.kind {
             NodeKind::Buffer { order, .. } if *order != BufferOrder::FirstIn => {
                 found.push(Premise {
@@ -28,6 +38,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                     text: format!(
                         "no part stays in {name} for ever because others overtake it there"
                     ),
+                    span,
                 });
             }
             NodeKind::Store { .. } => stock(line, calls, node, &mut found),
@@ -37,6 +48,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
             } => found.push(Premise {
                 name: format!("more_from_{name}"),
                 text: format!("{name} continues beyond its limit of {n}"),
+                span,
             }),
             NodeKind::Source {
                 supply: Supply::At { instants },
@@ -47,6 +59,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                     "{name} continues beyond the {} rows of its table",
                     instants.len()
                 ),
+                span,
             }),
             NodeKind::Source {
                 part,
@@ -58,6 +71,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                 found.extend(reason.map(|reason| Premise {
                     name: format!("more_orders_for_{name}"),
                     text: format!("{name} gets further orders: {reason}"),
+                    span,
                 }));
             }
             _ => {}
@@ -79,8 +93,9 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                 text: format!(
                     "as long as {kind} parts leave {from}, one of them eventually goes to {to}"
                 ),
+                span: route.span,
             };
-            if !found.contains(&premise) {
+            if !found.iter().any(|known| known.is_same(&premise)) {
                 found.push(premise);
             }
         }
@@ -102,8 +117,9 @@ fn add_losses(line: &Line, found: &mut Vec<Premise>) {
                 text: format!(
                     "as long as {kind} parts come to {from}, one of them eventually is not scrapped there"
                 ),
+                span: declared.span,
             };
-            if !found.contains(&premise) {
+            if !found.iter().any(|known| known.is_same(&premise)) {
                 found.push(premise);
             }
         }
@@ -114,7 +130,7 @@ fn add_losses(line: &Line, found: &mut Vec<Premise>) {
 /// there, the premise is that it arrives again and again. Otherwise, the premise is that the stock
 /// does not run out.
 fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
-    let store = &line.nodes[node].name;
+    let (store, span) = (&line.nodes[node].name, line.nodes[node].span);
     for (part, kind) in line.parts.iter().enumerate() {
         let mut routes = line.routes.iter().zip(&calls.taken);
         if !routes.any(|(r, taken)| *taken && r.from == node && r.part == part) {
@@ -127,11 +143,13 @@ fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
             Premise {
                 name: format!("more_{kind}_at_{store}"),
                 text: format!("{store} receives another {kind} again and again"),
+                span,
             }
         } else {
             Premise {
                 name: format!("stock_of_{kind}_at_{store}"),
                 text: format!("the stock of {kind} at {store} does not run out"),
+                span,
             }
         });
     }

@@ -3,9 +3,9 @@
 use super::parts::{behind, drawing, table, table_of};
 use linewright_core::drawing::timing::{self, Level};
 use linewright_core::gr1::{FormulaKind, Owner, Specification, VarId, Variable, diagram};
-use linewright_core::source::SourceMap;
+use linewright_core::source::{SourceMap, Span};
 use linewright_core::taxonomy;
-use linewright_language::contract::Contract;
+use linewright_language::contract::{Contract, Definition};
 use maud::{Markup, html};
 
 /// Maximum number of steps in a timing diagram.
@@ -69,8 +69,18 @@ fn side(variable: &Variable) -> &'static str {
     }
 }
 
-/// The assumptions and guarantees of a contract with their places in the files.
-pub fn rules(specification: &Specification, sources: &SourceMap, rank: Rank) -> Markup {
+/// The assumptions and guarantees of a contract with their places in the files, and the definitions
+/// that they use.
+pub fn rules(
+    specification: &Specification,
+    definitions: &[Definition],
+    sources: &SourceMap,
+    rank: Rank,
+) -> Markup {
+    let place = |span: Span| {
+        let file = &sources.file(span.file).name;
+        format!("{file}:{}", sources.start(span).line)
+    };
     let sides = [
         ("assumption", &specification.assumptions),
         ("guarantee", &specification.guarantees),
@@ -83,9 +93,19 @@ pub fn rules(specification: &Specification, sources: &SourceMap, rank: Rank) -> 
                 td { (kind) }
                 td { (time(when)) }
                 td { code { (formula.text) } }
-                td { (sources.file(formula.span.file).name) ":" (sources.start(formula.span).line) }
+                td { (place(formula.span)) }
             } } }
         }))
+        @if !definitions.is_empty() {
+            p { "Definitions in these rules:" }
+            (table_of("Definitions", &["Name", "Stands for", "Place"], &html! {
+                @for definition in definitions { tr {
+                    th scope="row" { code { (definition.name) } }
+                    td { code { (definition.text) } }
+                    td { (place(definition.span)) }
+                } }
+            }))
+        }
     }
 }
 
@@ -124,7 +144,7 @@ pub fn play(
     let rows: Vec<Vec<String>> = rows.collect();
     html! {
         (drawing(&timing::render(title, &diagram), &format!("Timing diagram: {title}. Its values are in the table below.")))
-        p.hint { "A line at the top is true, one at the bottom false; other values are in boxes, and a dashed box has no value." }
+        p.hint { "A line at the top of a filled area is true, one at the bottom is false; other values are in boxes, and a dashed box has no value." }
         @if shown < steps.len() { p.hint { "The first " (shown) " of " (steps.len()) " steps." } }
         (behind(&headings, &rows))
     }

@@ -2,7 +2,7 @@
 
 /// A number with groups of three digits: `12,345.6`. Whole numbers have no decimal places; others
 /// show three significant digits, and all digits before the point.
-pub(super) fn figure(value: f64) -> String {
+pub fn figure(value: f64) -> String {
     if !value.is_finite() {
         return "-".to_owned();
     }

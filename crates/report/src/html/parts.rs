@@ -1,5 +1,7 @@
 //! What pages have in common: sections, tables, tiles, pictures, and where a result comes from.
 
+use super::numbers;
+pub use super::numbers::figure;
 use base64::Engine as _;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_core::diagnostics::json::{self, Finding, Place};
@@ -7,6 +9,20 @@ use linewright_core::source::SourceMap;
 use maud::{Markup, html};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
+
+/// A count with groups of three digits: `1,632,096`.
+pub fn figures(number: usize) -> String {
+    numbers::count(number as u64)
+}
+
+/// A count of something: `1 state`, `1,632,096 states`.
+pub fn count(number: usize, what: &str) -> String {
+    format!(
+        "{} {what}{}",
+        figures(number),
+        if number == 1 { "" } else { "s" }
+    )
+}
 
 /// A section with its heading.
 pub fn section(id: &str, heading: &str, inside: &Markup) -> Markup {
@@ -132,12 +148,36 @@ pub fn origin(heading: &str, of: &Origin<'_>, more: &[(&str, String)], inside: &
 pub fn findings(sources: &SourceMap, findings: &[Finding]) -> Markup {
     html! {
         @for finding in findings { div class=(format!("finding {}", finding.severity)) {
-            p { strong { (finding.severity) " " (finding.code) } ": " (finding.message) }
+            p { strong { (finding.severity) " " (finding.code) } ": " (with_code(&finding.message)) }
             @if let Some(place) = &finding.span { (located(sources, place, "")) }
             @for label in &finding.labels { (located(sources, &label.span, &label.text)) }
             @for note in &finding.notes { pre tabindex="0" { (note) } }
-            @if let Some(help) = &finding.help { p { "Help: " (help) } }
+            @if let Some(help) = &finding.help { (help_lines(help)) }
         } }
+    }
+}
+
+/// A text in which what stands between backticks is code.
+pub fn with_code(text: &str) -> Markup {
+    let is_balanced = text.matches('`').count().is_multiple_of(2);
+    html! {
+        @if is_balanced {
+            @for (index, piece) in text.split('`').enumerate() {
+                @if index % 2 == 1 { code { (piece) } } @else { (piece) }
+            }
+        } @else { (text) }
+    }
+}
+
+/// The help of a finding, each line on its own. Lines to write into a file are indented.
+fn help_lines(help: &str) -> Markup {
+    html! {
+        @for (number, line) in help.lines().enumerate() {
+            p.help.indented[line.starts_with(' ')] {
+                @if number == 0 { "Help: " }
+                @if line.starts_with(' ') { code { (line.trim()) } } @else { (with_code(line)) }
+            }
+        }
     }
 }
 
@@ -170,4 +210,35 @@ fn hash(sources: &SourceMap) -> String {
         let _ = write!(text, "{byte:02x}");
         text
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_line_of_a_help_stands_on_its_own() {
+        let mut sources = SourceMap::default();
+        let file = sources.add("a.lw", "contract A {\n}\n");
+        let span = linewright_core::source::Span::new(file, 9, 10);
+        let code = linewright_core::diagnostics::codes::UNREALIZABLE;
+        let finding = Diagnostic::error(code, span, "no controller keeps `A`")
+            .with_help("add one of these:\n    assume p\n    assume q");
+        let shown = findings(&sources, &json::findings(&sources, &[finding])).into_string();
+        for wanted in [
+            "no controller keeps <code>A</code>",
+            "<p class=\"help\">Help: add one of these:</p>",
+            "<p class=\"help indented\"><code>assume p</code></p>",
+            "<p class=\"help indented\"><code>assume q</code></p>",
+        ] {
+            assert!(shown.contains(wanted), "{wanted} in {shown}");
+        }
+    }
+
+    #[test]
+    fn counts_have_groups_of_digits() {
+        assert_eq!(count(1_632_096, "state"), "1,632,096 states");
+        assert_eq!(count(1, "state"), "1 state");
+        assert_eq!(with_code("a ` b").into_string(), "a ` b");
+    }
 }

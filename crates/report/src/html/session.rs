@@ -4,7 +4,7 @@ use super::contract::Rank;
 use super::parts::{self, Origin, links, section, table, tile};
 use super::{Document, contract as of_contract, document};
 use linewright_core::gr1::{Owner, VarId};
-use linewright_language::contract::Contract;
+use linewright_language::contract::{Contract, Definition};
 use maud::{Markup, html};
 
 /// Maximum number of steps in the table of steps.
@@ -15,6 +15,8 @@ const MAX_LISTED: usize = 2000;
 pub struct Page<'a> {
     /// The contract.
     pub contract: &'a Contract,
+    /// The definitions that its rules use.
+    pub definitions: &'a [Definition],
     /// The side that the person played.
     pub person: Owner,
     /// Values of all variables in each step.
@@ -50,8 +52,8 @@ pub fn page(page: &Page<'_>) -> String {
         }
         main {
             dl.tiles {
-                (tile("Steps", &page.steps.len().to_string(), ""))
-                (tile("Commands", &page.commands.len().to_string(), ""))
+                (tile("Steps", &parts::figures(page.steps.len()), ""))
+                (tile("Commands", &parts::figures(page.commands.len()), ""))
             }
             @if let Some(over) = page.over { div.finding { pre tabindex="0" { (over.trim_end()) } } }
             (section("steps", "Steps", &steps(page)))
@@ -64,7 +66,7 @@ pub fn page(page: &Page<'_>) -> String {
             }))
             (section("contract", "Contract", &html! {
                 (of_contract::interface(&page.contract.specification, Rank::Section))
-                (of_contract::rules(&page.contract.specification, page.origin.sources, Rank::Section))
+                (of_contract::rules(&page.contract.specification, page.definitions, page.origin.sources, Rank::Section))
             }))
             (parts::origin("Files", &page.origin, &[], &html! {}))
         }

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// Names that occur in a part of a file, except quantified names and the parameters of definitions.
 #[derive(Debug, Default)]
-pub(super) struct Mentions<'a> {
+pub(in crate::contract) struct Mentions<'a> {
     names: BTreeSet<&'a str>,
     /// Names that are bound at the current position.
     bound: Vec<&'a str>,

@@ -8,6 +8,7 @@ use linewright_core::gr1::{
     Variable,
 };
 use linewright_core::source::SourceMap;
+use linewright_language::contract::Definition;
 use linewright_solver::mealy::{Controller, Machine, Transition};
 use serde_json::{Value, json};
 
@@ -40,6 +41,7 @@ pub(super) fn json(page: &Page<'_>) -> String {
         "own": own,
         "others": others,
         "rules": rules,
+        "definitions": page.definitions.iter().map(|d| definition(sources, d)).collect::<Vec<_>>(),
     });
     match page.opponent {
         Opponent::Controller(Controller::Functions(functions)) => {
@@ -52,7 +54,45 @@ pub(super) fn json(page: &Page<'_>) -> String {
             });
         }
     }
-    for_script(&document.to_string())
+    for_script(&exact(document).to_string())
+}
+
+/// Greatest number up to which scripts read all whole numbers of JSON exactly: 2^53 - 1.
+const MAX_EXACT: u64 = (1 << 53) - 1;
+
+/// Writes whole numbers that scripts would round as text.
+fn exact(value: Value) -> Value {
+    match value {
+        Value::Number(number) => {
+            let magnitude = number.as_i64().map(i64::unsigned_abs).or(number.as_u64());
+            match magnitude {
+                Some(magnitude) if magnitude > MAX_EXACT => json!(number.to_string()),
+                _ => Value::Number(number),
+            }
+        }
+        Value::Array(items) => items.into_iter().map(exact).collect(),
+        Value::Object(members) => {
+            let members = members.into_iter();
+            Value::Object(members.map(|(name, value)| (name, exact(value))).collect())
+        }
+        other => other,
+    }
+}
+
+/// A definition with its value, if it has one.
+fn definition(sources: &SourceMap, definition: &Definition) -> Value {
+    let file = &sources.file(definition.span.file).name;
+    let mut shown = json!({
+        "name": definition.name,
+        "text": definition.text,
+        "place": format!("{file}:{}", sources.start(definition.span).line),
+    });
+    if let Some(value) = &definition.value {
+        shown["labels"] = json!(value.labels);
+        shown["unit"] = json!(value.unit);
+        shown["value"] = expression(&value.expr);
+    }
+    shown
 }
 
 fn variable(specification: &Specification, id: VarId, variable: &Variable) -> Value {
@@ -151,5 +191,17 @@ fn binary(op: BinaryOp) -> &'static str {
         BinaryOp::Mod => "mod",
         BinaryOp::Min => "min",
         BinaryOp::Max => "max",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_scripts_round_are_texts() {
+        let value = json!({"low": [-9_007_199_254_740_993_i64, 9_007_199_254_740_991_i64], "high": u64::MAX, "share": 0.5});
+        let wanted = json!({"low": ["-9007199254740993", 9_007_199_254_740_991_i64], "high": "18446744073709551615", "share": 0.5});
+        assert_eq!(exact(value), wanted);
     }
 }

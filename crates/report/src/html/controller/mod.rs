@@ -3,10 +3,10 @@
 mod data;
 
 use super::contract::Rank;
-use super::parts::{self, Origin, links, section, table, tile};
+use super::parts::{self, Origin, figures, links, section, table, tile};
 use super::{Document, contract as of_contract, document};
 use linewright_core::gr1::{Owner, Specification, Timing, show_value};
-use linewright_language::contract::Contract;
+use linewright_language::contract::{Contract, Definition};
 use linewright_solver::mealy::{Controller, Machine, Port, picture};
 use maud::{Markup, PreEscaped, html};
 
@@ -18,6 +18,8 @@ const MAX_LISTED: usize = 500;
 pub struct Page<'a> {
     /// The contract.
     pub contract: &'a Contract,
+    /// The definitions that its rules use.
+    pub definitions: &'a [Definition],
     /// Who answers the reader's moves.
     pub opponent: Opponent<'a>,
     /// Where the result comes from.
@@ -84,10 +86,10 @@ pub fn page(page: &Page<'_>) -> String {
         main {
             (tiles(opponent))
             (section("walk", "Walk", &walk(opponent, reader)))
-            @if let Some(machine) = machine { (section("states", "States", &states(machine, goals(page)))) }
+            @if let Some(machine) = machine { (section("states", "States", &states(opponent, machine, goals(page)))) }
             (section("contract", "Contract", &html! {
                 (of_contract::interface(&contract.specification, Rank::Section))
-                (of_contract::rules(&contract.specification, page.origin.sources, Rank::Section))
+                (of_contract::rules(&contract.specification, page.definitions, page.origin.sources, Rank::Section))
             }))
             (parts::origin("Files", &page.origin, &[], &html! {}))
         }
@@ -110,13 +112,13 @@ fn tiles(opponent: Opponent<'_>) -> Markup {
         dl.tiles {
             @match opponent {
                 Opponent::Controller(Controller::Functions(functions)) => {
-                    (tile("Goals", &functions.controls.goals.len().to_string(), "a goal is pursued until it is reached"))
-                    (tile("Modes", &functions.mode_count().to_string(), "of all goals"))
-                    (tile("Decisions", &functions.controls.diagram.nodes.len().to_string(), "of its functions, which compute the outputs bit by bit"))
+                    (tile("Goals", &figures(functions.controls.goals.len()), "a goal is pursued until it is reached"))
+                    (tile("Modes", &figures(functions.mode_count()), "of all goals"))
+                    (tile("Decisions", &figures(functions.controls.diagram.nodes.len()), "of its functions, which compute the outputs bit by bit"))
                 }
                 _ => @if let Some(machine) = opponent.machine() {
-                    (tile("States", &machine.states.len().to_string(), ""))
-                    (tile("Transitions", &machine.transition_count().to_string(), ""))
+                    (tile("States", &figures(machine.states.len()), ""))
+                    (tile("Transitions", &figures(machine.transition_count()), ""))
                 }
             }
             (tile("Kind", kind, order))
@@ -170,7 +172,11 @@ fn goals<'a>(page: &Page<'a>) -> Option<&'a Specification> {
 }
 
 /// The state diagram, and the states as a table.
-fn states(machine: &Machine, specification: Option<&Specification>) -> Markup {
+fn states(
+    opponent: Opponent<'_>,
+    machine: &Machine,
+    specification: Option<&Specification>,
+) -> Markup {
     let rows = machine.states.iter().enumerate().take(MAX_LISTED);
     let rows = rows.flat_map(|(number, transitions)| {
         transitions.iter().map(move |transition| {
@@ -188,11 +194,79 @@ fn states(machine: &Machine, specification: Option<&Specification>) -> Markup {
     });
     let rows: Vec<Vec<String>> = rows.collect();
     html! {
-        div #diagram.scroll tabindex="0" role="group" aria-label="State diagram" { (PreEscaped(picture::to_svg(machine, specification))) }
+        div.controls role="group" aria-label="Size of the state diagram" {
+            button #larger type="button" { "Larger" }
+            button #smaller type="button" { "Smaller" }
+            button #whole type="button" { "Fit to the page" }
+            button #wide type="button" { "Fit the width" }
+            button #natural type="button" { "As drawn" }
+            span #scale role="status" {}
+        }
+        p #keys.hint { "With the diagram in focus, the keys + and - change its size, 0 fits it to the page, w to its width, 1 shows it as drawn, and the arrow keys move it. It follows the walk: the current state is golden." }
+        div #diagram.scroll tabindex="0" role="group" aria-label="State diagram" aria-describedby="keys" { (PreEscaped(picture::to_svg(machine, specification))) }
+        (notation(opponent, specification))
         details {
             summary { "All transitions as a table" }
             @if machine.states.len() > MAX_LISTED { p.hint { "Those of the first " (MAX_LISTED) " states." } }
             (table(&["State", "Condition", "Answer", "Next state"], &rows))
+        }
+    }
+}
+
+/// What the state diagram means.
+fn notation(opponent: Opponent<'_>, specification: Option<&Specification>) -> Markup {
+    let (reader, answers) = match opponent.reader() {
+        Owner::Environment => (
+            "your inputs",
+            "the outputs with which the controller answers",
+        ),
+        Owner::System => (
+            "your outputs",
+            "the inputs with which the counterstrategy answers",
+        ),
+    };
+    let entries = [
+        (
+            "condition / values",
+            format!(
+                "on an arrow: before the slash, the condition on {reader} for taking it; behind it, {answers}"
+            ),
+        ),
+        (
+            "values in a state",
+            "those on which all arrows to the state agree; they are not repeated on the arrows"
+                .to_owned(),
+        ),
+        ("x, !x", "x is true, x is false".to_owned()),
+        (
+            "&, |",
+            "and, or; an arrow with true is taken in all cases".to_owned(),
+        ),
+        (
+            "dot",
+            "the arrows from the dot lead to the first states, in which step 0 ends".to_owned(),
+        ),
+        (
+            "single letter",
+            "stands for a long condition, which is written out below the drawing".to_owned(),
+        ),
+    ];
+    let goals = specification.map_or(Vec::new(), picture::goals);
+    html! {
+        details open {
+            summary { "How to read the diagram" }
+            dl.notation {
+                @for (sign, meaning) in &entries { dt { (sign) } dd { (meaning) } }
+                @if goals.len() > 1 {
+                    dt { "frame, or for NAME" }
+                    dd {
+                        "states in which the controller works for that goal: a guarantee that has to come true again and again ("
+                        (goals.join(", ")) ")"
+                    }
+                }
+                dt { "golden state" }
+                dd { "where the walk is" }
+            }
         }
     }
 }

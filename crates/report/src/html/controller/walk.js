@@ -2,7 +2,7 @@
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const { variables, own, others, rules } = data;
+  const { own, others } = data;
   const byId = (id) => document.getElementById(id);
   const make = (tag, text, className) => {
     const element = document.createElement(tag);
@@ -10,25 +10,36 @@
     if (className) element.className = className;
     return element;
   };
-  const shown = (index, value) => {
-    const { labels, unit } = variables[index];
-    const text = labels ? labels[value] : String(value);
+  // All values are BigInt, because numbers are exact only up to 2^53. The data has larger ones as text.
+  const exact = (expression) => {
+    if (!Array.isArray(expression)) return BigInt(expression);
+    const [operator, ...operands] = expression;
+    return [operator, ...(["now", "next"].includes(operator) ? operands : operands.map(exact))];
+  };
+  const variables = data.variables.map((variable) => ({ ...variable, low: BigInt(variable.low), high: BigInt(variable.high) }));
+  const rules = data.rules.map((rule) => ({ ...rule, holds: exact(rule.holds) }));
+  const definitions = data.definitions.map((defined) => (defined.value === undefined ? defined : { ...defined, value: exact(defined.value) }));
+  const worded = ({ labels, unit }, value) => {
+    const text = labels && labels.length ? labels[Number(value)] : String(value);
     return unit ? `${text} ${unit}` : text;
   };
+  const shown = (index, value) => worded(variables[index], value);
   const list = (indices, values) => indices.filter((index) => !variables[index].hidden)
     .map((index) => `${variables[index].name} = ${shown(index, values[index])}`).join(", ");
 
-  // The value of an expression. Numbers are exact up to 2^53.
+  // The value of an expression. A quotient is rounded down.
+  const truth = (holds) => (holds ? 1n : 0n);
+  const quotient = (a, b) => a / b - truth(a % b !== 0n && a < 0n !== b < 0n);
   const operators = {
-    not: (a) => Number(!a), neg: (a) => -a, abs: (a) => Math.abs(a),
-    and: (a, b) => Number(a && b ? 1 : 0), or: (a, b) => Number(a || b ? 1 : 0), "->": (a, b) => Number(!a || b ? 1 : 0),
-    "=": (a, b) => Number(a === b), "!=": (a, b) => Number(a !== b),
-    "<": (a, b) => Number(a < b), "<=": (a, b) => Number(a <= b), ">": (a, b) => Number(a > b), ">=": (a, b) => Number(a >= b),
+    not: (a) => truth(!a), neg: (a) => -a, abs: (a) => (a < 0n ? -a : a),
+    and: (a, b) => truth(a && b), or: (a, b) => truth(a || b), "->": (a, b) => truth(!a || b),
+    "=": (a, b) => truth(a === b), "!=": (a, b) => truth(a !== b),
+    "<": (a, b) => truth(a < b), "<=": (a, b) => truth(a <= b), ">": (a, b) => truth(a > b), ">=": (a, b) => truth(a >= b),
     "+": (a, b) => a + b, "-": (a, b) => a - b, "*": (a, b) => a * b,
-    div: (a, b) => Math.floor(a / b), mod: (a, b) => a - b * Math.floor(a / b), min: Math.min, max: Math.max,
+    div: quotient, mod: (a, b) => a - b * quotient(a, b), min: (a, b) => (a < b ? a : b), max: (a, b) => (a > b ? a : b),
   };
   const value = (expression, now, next) => {
-    if (typeof expression === "number") return expression;
+    if (typeof expression === "bigint") return expression;
     const [operator, ...operands] = expression;
     if (operator === "now") return now[operands[0]];
     if (operator === "next") return next[operands[0]];
@@ -44,20 +55,25 @@
   });
 
   // A controller with listed states: its position is a state, or null before step 0.
-  const ofMachine = ({ initial, states }) => ({
-    start: null,
-    transitions: (position) => (position === null ? initial : states[position]),
-    first(position) {
-      const [first] = this.transitions(position);
-      return first && first[1];
-    },
-    answer(position, moved) {
-      const holds = ([cubes]) => cubes.some((cube) => cube.every(([input, low, high]) => low <= moved[input] && moved[input] <= high));
-      const taken = this.transitions(position).find(holds);
-      return taken && { values: taken[1], position: taken[2] };
-    },
-    name: (position) => (position === null ? "start" : `S${position}`),
-  });
+  const ofMachine = (machine) => {
+    const read = (list) => list.map(([cubes, values, to, condition]) => [
+      cubes.map((cube) => cube.map(([input, low, high]) => [input, BigInt(low), BigInt(high)])), values.map(BigInt), to, condition]);
+    const [initial, states] = [read(machine.initial), machine.states.map(read)];
+    return {
+      start: null,
+      transitions: (position) => (position === null ? initial : states[position]),
+      first(position) {
+        const [first] = this.transitions(position);
+        return first && first[1];
+      },
+      answer(position, moved) {
+        const holds = ([cubes]) => cubes.some((cube) => cube.every(([input, low, high]) => low <= moved[input] && moved[input] <= high));
+        const taken = this.transitions(position).find(holds);
+        return taken && { values: taken[1], position: taken[2] };
+      },
+      name: (position) => (position === null ? "start" : `S${position}`),
+    };
+  };
 
   // A controller as functions of bits: its position is the signals and the goal. Signal 2k is a bit now, and 2k + 1 the same bit next.
   const ofFunctions = (functions) => {
@@ -71,12 +87,12 @@
       }
       return negated === 1;
     };
-    const low = (port) => (port.domain.type === "range" ? port.domain.low : 0);
+    const low = (port) => BigInt(port.domain.type === "range" ? port.domain.low : 0);
     const write = (signals, ports, values) => ports.forEach((port, index) => {
       let code = values[index] - low(port);
       for (const signal of [...port.signals].reverse()) {
-        signals[signal + 1] = code % 2 === 1;
-        code = Math.floor(code / 2);
+        signals[signal + 1] = code % 2n === 1n;
+        code /= 2n;
       }
     });
     const compute = (goal, signals) => {
@@ -86,7 +102,7 @@
         roots = (modes.find((mode) => holds(mode.when, signals)) || modes[modes.length - 1]).outputs;
       }
       for (const [signal, edge] of roots) signals[signal] = holds(edge, signals);
-      return outputs.map((port) => low(port) + port.signals.reduce((code, signal) => 2 * code + Number(signals[signal + 1]), 0));
+      return outputs.map((port) => low(port) + port.signals.reduce((code, signal) => 2n * code + truth(signals[signal + 1]), 0n));
     };
     const pairs = [...inputs, ...outputs].reduce((sum, port) => sum + port.signals.length, 0);
     return {
@@ -125,15 +141,19 @@
       if (isBool) {
         input = make("input");
         input.type = "checkbox";
-        read[index] = { get: () => Number(input.checked), set: (value) => (input.checked = value !== 0) };
-      } else if (labels || high - low < 60) {
+        read[index] = { get: () => truth(input.checked), set: (value) => (input.checked = value !== 0n) };
+      } else if (labels || high - low < 60n) {
         input = make("select");
         for (let option = low; option <= high; option++) input.append(new Option(shown(index, option), option));
-        read[index] = { get: () => Number(input.value), set: (value) => (input.value = value) };
+        read[index] = { get: () => BigInt(input.value), set: (value) => (input.value = value) };
       } else {
         input = make("input");
-        Object.assign(input, { type: "number", min: low, max: high, step: 1, value: low, required: true });
-        read[index] = { get: () => Number(input.value), set: (value) => (input.value = value) };
+        // A field for numbers compares its value with the limits as a rounded number.
+        const isRounded = [low, high].some((limit) => !Number.isSafeInteger(Number(limit)));
+        Object.assign(input, isRounded ? { type: "text", inputMode: "numeric" } : { type: "number", min: low, max: high, step: 1 });
+        Object.assign(input, { value: low, required: true });
+        const written = () => input.value.trim();
+        read[index] = { get: () => (/^-?[0-9]+$/.test(written()) ? BigInt(written()) : null), set: (value) => (input.value = value) };
       }
       input.id = `${prefix}${index}`;
       input.addEventListener("input", changed);
@@ -145,16 +165,47 @@
 
   // All values of a step: the reader's, and the opponent's.
   const whole = (moved, values) => {
-    const step = Array(variables.length).fill(0);
+    const step = Array(variables.length).fill(0n);
     own.forEach((index, place) => (step[index] = moved[place]));
     others.forEach((index, place) => (step[index] = values[place]));
     return step;
   };
-  const ruleList = (found) => {
+  // The definitions that a text mentions, also within others.
+  const mentioned = (text) => {
+    const used = new Set();
+    const add = (text) => {
+      const words = new Set(text.match(/[\p{L}_][\p{L}\p{N}_]*/gu));
+      for (const defined of definitions.filter((defined) => !used.has(defined) && words.has(defined.name.split("(")[0]))) {
+        used.add(defined);
+        add(defined.text);
+      }
+    };
+    add(text);
+    return [...used];
+  };
+  const mentionsNext = (expression) => Array.isArray(expression) && (expression[0] === "next" || expression.some(mentionsNext));
+  // The value of a definition: before the step and with it, if the rule is about both.
+  const valueOf = ({ value: expression, ...defined }, rule, before, step) => {
+    if (expression === undefined) return "";
+    const at = (now, next) => worded(defined, value(expression, now, next));
+    if (mentionsNext(expression)) return before ? `was ${at(before, step)} from the step before to this one` : "";
+    return rule.when === "later" && before ? `was ${at(before)} in the step before, would be ${at(step)} now` : `would be ${at(step)} now`;
+  };
+  const ruleList = (found, before, step) => {
     const items = make("ul");
     for (const rule of found) {
       const item = make("li");
       item.append(make("strong", `${rule.kind} ${rule.name}`), ": ", make("code", rule.text), ` (${rule.place})`);
+      const used = mentioned(rule.text);
+      if (used.length) {
+        const list = make("ul", undefined, "definitions");
+        for (const defined of used) {
+          const entry = make("li");
+          entry.append(make("code", defined.name), ", defined as ", make("code", defined.text), ` (${defined.place}) `, valueOf(defined, rule, before, step));
+          list.append(entry);
+        }
+        item.append(list);
+      }
       items.append(item);
     }
     return items;
@@ -162,23 +213,24 @@
 
   const moveFields = fields(byId("own"), own, "own", () => preview());
   const otherFields = fields(byId("others"), others, "other", () => why());
-  const chosen = () => own.map((index) => (moveFields[index] ? moveFields[index].get() : 0));
+  const chosen = () => own.map((index) => (moveFields[index] ? moveFields[index].get() : 0n));
   const choose = (moved) => own.forEach((index, place) => moveFields[index] && moveFields[index].set(moved[place]));
 
   // What comes of a move: the opponent's answer, or the rules that the move breaks.
   const consider = (moved) => {
-    const outside = own.find((index, place) => !(Number.isInteger(moved[place]) && variables[index].low <= moved[place] && moved[place] <= variables[index].high));
+    const outside = own.find((index, place) => !(moved[place] !== null && variables[index].low <= moved[place] && moved[place] <= variables[index].high));
     if (outside !== undefined) return { text: `${variables[outside].name} has no such value.` };
     const before = last(steps);
     const answer = opponent.answer(last(positions), moved);
     if (answer) {
       const step = whole(moved, answer.values);
       const found = broken(true, before, step);
-      return found.length ? { found } : { answer, step };
+      return found.length ? { found, step } : { answer, step };
     }
     const first = data.movesFirst ? opponent.first(last(positions)) : undefined;
-    const found = broken(true, before, whole(moved, first || others.map((index) => variables[index].low)));
-    return found.length ? { found } : { text: `The ${data.opponent} has no answer: the ${data.reader} cannot go on from here.` };
+    const step = whole(moved, first || others.map((index) => variables[index].low));
+    const found = broken(true, before, step);
+    return found.length ? { found, step } : { text: `The ${data.opponent} has no answer: the ${data.reader} cannot go on from here.` };
   };
 
   // Shows what the move that is chosen would lead to.
@@ -192,7 +244,7 @@
     }
     const box = make("div", undefined, "refused");
     box.append(make("p", text || (found.length === 1 ? "This move is refused: it breaks this rule." : "This move is refused: it breaks these rules.")));
-    if (found) box.append(ruleList(found));
+    if (found) box.append(ruleList(found, last(steps), step));
     status.append(box);
   }
 
@@ -205,13 +257,13 @@
       return;
     }
     const step = [...last(steps)];
-    others.forEach((index) => { if (otherFields[index]) step[index] = otherFields[index].get(); });
+    others.forEach((index) => { if (otherFields[index]) step[index] = otherFields[index].get() ?? step[index]; });
     if (step.every((value, index) => value === last(steps)[index])) {
       target.append(make("p", "This is what it did."));
       return;
     }
     const found = broken(false, steps[steps.length - 2], step);
-    if (found.length) target.append(make("p", "This answer would break:"), ruleList(found));
+    if (found.length) target.append(make("p", "This answer would break:"), ruleList(found, steps[steps.length - 2], step));
     else target.append(make("p", `No rule for this step forbids it. The ${data.opponent} has chosen another answer, to reach its goals and to keep the rules in later steps.`));
   }
 
@@ -230,7 +282,7 @@
       }
     }
     const first = data.movesFirst ? opponent.first(position) : undefined;
-    if (first) entry("next", list(others, whole(own.map(() => 0), first)), false);
+    if (first) entry("next", list(others, whole(own.map(() => 0n), first)), false);
 
     const history = make("table");
     const head = make("tr");
@@ -259,7 +311,7 @@
   // the first, which is then refused with its reason.
   function within(cubes) {
     const clamped = (cube, moved) => {
-      for (const [input, low, high] of cube) moved[input] = Math.min(Math.max(moved[input], low), high);
+      for (const [input, low, high] of cube) moved[input] = operators.min(operators.max(moved[input] ?? low, low), high);
       return moved;
     };
     for (const cube of cubes) {
@@ -276,7 +328,9 @@
   // Random values of the reader's variables.
   const anything = () => own.map((index) => {
     const { low, high } = variables[index];
-    return low + Math.floor(Math.random() * (high - low + 1));
+    let offset = 0n;
+    for (let bits = high - low; bits > 0n; bits >>= 32n) offset = (offset << 32n) + BigInt(Math.floor(Math.random() * 2 ** 32));
+    return low + (offset % (high - low + 1n));
   });
 
   // The transitions from here; one can be taken with the chosen values, changed as little as necessary.
@@ -311,7 +365,7 @@
       } else {
         cell.textContent = found ? `not now: ${found.map((rule) => rule.name).join(", ")}` : "not now";
       }
-      row.append(name, make("td", list(others, whole(own.map(() => 0), values))), make("td", opponent.name(to)), cell);
+      row.append(name, make("td", list(others, whole(own.map(() => 0n), values))), make("td", opponent.name(to)), cell);
       rows.append(row);
     });
     target.replaceChildren(rows);
@@ -322,6 +376,43 @@
   function mark(position) {
     if (!data.machine || boxes.length !== data.machine.states.length) return;
     boxes.forEach((box, state) => box.classList.toggle("current", state === position));
+    follow();
+  }
+
+  // The size of the state diagram, in proportion to the one in which it was drawn.
+  const diagram = byId("diagram");
+  const drawing = diagram && diagram.querySelector("svg");
+  const drawn = drawing && Number(drawing.getAttribute("width"));
+  let scale = 1;
+  const high = drawing && Number(drawing.getAttribute("height"));
+  const wide = () => Math.min(1, (diagram.clientWidth - 4) / drawn);
+  const entire = () => Math.min(wide(), (0.8 * globalThis.innerHeight - 24) / high);
+  function resize(wanted) {
+    scale = Math.min(4, Math.max(0.1, wanted));
+    drawing.style.width = `${drawn * scale}px`;
+    drawing.style.height = "auto";
+    byId("scale").textContent = `${Math.round(100 * scale)} %`;
+    follow();
+  }
+  // Moves the diagram, and not the page, so that the current state is in its middle.
+  function follow() {
+    const box = diagram.querySelector(".state.current");
+    if (!box) return;
+    const [inside, outside] = [box.getBoundingClientRect(), diagram.getBoundingClientRect()];
+    diagram.scrollLeft += inside.left + inside.width / 2 - (outside.left + outside.width / 2);
+    diagram.scrollTop += inside.top + inside.height / 2 - (outside.top + outside.height / 2);
+  }
+  if (drawing) {
+    const sizes = { "+": () => scale * 1.25, "=": () => scale * 1.25, "-": () => scale / 1.25, 0: entire, w: wide, 1: () => 1 };
+    for (const [id, key] of [["larger", "+"], ["smaller", "-"], ["whole", "0"], ["wide", "w"], ["natural", "1"]]) {
+      byId(id).addEventListener("click", () => resize(sizes[key]()));
+    }
+    diagram.addEventListener("keydown", (event) => {
+      if (!sizes[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+      event.preventDefault();
+      resize(sizes[event.key]());
+    });
+    resize(1);
   }
 
   function go() {

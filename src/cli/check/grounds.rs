@@ -1,0 +1,168 @@
+//! What the proofs of machines and lines rest on: premises, each with its place.
+
+use super::document::{Document, LineEntry, MachineEntry};
+use crate::contract::line::Line;
+use crate::contract::machine::Machine;
+use crate::engine::files::LoadedFiles;
+use crate::engine::machines;
+use crate::engine::words::{DischargeEntry, DischargeRuleName};
+use crate::report::html::parts::table_of;
+use crate::source::{SourceMap, Span};
+use maud::{Markup, html};
+
+/// A premise of a proof.
+struct Premise {
+    name: String,
+    /// The formula in the notation of contracts, or a sentence.
+    says: Says,
+    kind: &'static str,
+    /// What it rests on; empty if nothing is known of it.
+    by: String,
+    place: Option<Span>,
+}
+
+/// What a premise says.
+enum Says {
+    Formula(String),
+    Words(String),
+}
+
+/// The premises of the proof of a machine.
+pub(super) fn of_machine(
+    entry: &MachineEntry,
+    machine: Option<&Machine>,
+    sources: &SourceMap,
+) -> Markup {
+    shown(&machine_premises(entry, machine, ""), sources)
+}
+
+/// The premises of the proof of a line, with those of its machines.
+pub(super) fn of_line(
+    entry: &LineEntry,
+    line: Option<&Line>,
+    document: &Document,
+    loaded: &LoadedFiles,
+) -> Markup {
+    let sources = &loaded.library.sources;
+    let place = |name: &str| {
+        let mut nodes = line?.nodes.iter();
+        nodes.find(|node| node.name == name).map(|node| node.span)
+    };
+    let mut premises: Vec<Premise> = Vec::new();
+    premises.extend(entry.premises.iter().map(|premise| Premise {
+        name: premise.name.clone(),
+        says: Says::Words(premise.text.clone()),
+        kind: "assumed about the surroundings of the line",
+        by: String::new(),
+        place: Some(premise.place),
+    }));
+    premises.extend(entry.not_controlled.iter().map(|station| Premise {
+        name: format!("work_of_{station}_ends"),
+        says: Says::Words(format!("the work of {station} always ends")),
+        kind: "assumed, because the station is given by its times and has no controller",
+        by: String::new(),
+        place: place(station),
+    }));
+    let outside = entry.discharges.iter().filter(|d| kind(d).is_some());
+    premises.extend(outside.map(|discharge| Premise {
+        name: named("", discharge),
+        says: Says::Words(String::new()),
+        kind: kind(discharge).unwrap_or_default(),
+        by: discharge.by.clone(),
+        place: place(&discharge.component),
+    }));
+    let of_line: Vec<&str> = line.map_or(Vec::new(), |line| {
+        let machines = machines::of_line(line).into_iter();
+        machines.map(|machine| machine.name.as_str()).collect()
+    });
+    let known = document.machines.iter();
+    for machine in known.filter(|machine| of_line.contains(&machine.name.as_str())) {
+        let declared = declared(machine, loaded);
+        premises.extend(machine_premises(machine, declared, &machine.name));
+    }
+    shown(&premises, sources)
+}
+
+/// The machine of an entry.
+pub(super) fn declared<'a>(entry: &MachineEntry, loaded: &'a LoadedFiles) -> Option<&'a Machine> {
+    let library = &loaded.library;
+    let mut machines = library.machines.iter();
+    machines.find(|machine| {
+        machine.name == entry.name && library.sources.file(machine.span.file).name == entry.file
+    })
+}
+
+/// The premises of a machine's proof. `owner` comes before each name; empty for none.
+fn machine_premises(entry: &MachineEntry, machine: Option<&Machine>, owner: &str) -> Vec<Premise> {
+    let refined = entry.refines.iter().flat_map(|refined| &refined.discharges);
+    let outside = entry.discharges.iter().chain(refined);
+    let outside = outside.filter_map(|discharge| Some((discharge, kind(discharge)?)));
+    let premises = outside.map(|(discharge, kind)| {
+        let formula = machine.and_then(|machine| {
+            let mut components = machine.components.iter();
+            let component = components.find(|c| c.name == discharge.component)?;
+            let mut formulas = component.specification.assumptions.all();
+            formulas.find(|formula| formula.name == discharge.assumption)
+        });
+        Premise {
+            name: named(owner, discharge),
+            says: match formula {
+                Some(formula) => Says::Formula(formula.text.clone()),
+                None => Says::Words(String::new()),
+            },
+            kind,
+            by: discharge.by.clone(),
+            place: formula.map(|formula| formula.span),
+        }
+    });
+    premises.collect()
+}
+
+fn named(owner: &str, discharge: &DischargeEntry) -> String {
+    let name = format!("{}: {}", discharge.component, discharge.assumption);
+    match owner {
+        "" => name,
+        owner => format!("{owner}, {name}"),
+    }
+}
+
+/// What discharges a formula that is true of all values.
+const ALWAYS: &str = "it always holds";
+
+/// What kind of premise an obligation is; `None` if the proof shows it.
+fn kind(discharge: &DischargeEntry) -> Option<&'static str> {
+    match discharge.rule {
+        _ if discharge.by == ALWAYS => None,
+        DischargeRuleName::Environment => Some("assumed about the environment"),
+        DischargeRuleName::Exported => Some("left to the caller"),
+        DischargeRuleName::Controllers => Some(
+            "true of the controllers that were synthesized, not of all that keep the contracts",
+        ),
+        DischargeRuleName::Induction | DischargeRuleName::Justice => None,
+    }
+}
+
+fn shown(premises: &[Premise], sources: &SourceMap) -> Markup {
+    if premises.is_empty() {
+        return html! {};
+    }
+    let place = |span: Span| {
+        let file = &sources.file(span.file).name;
+        format!("{file}:{}", sources.start(span).line)
+    };
+    html! {
+        h4 { "What the proof rests on" }
+        p { "The proof holds provided that these premises do, and that every controller keeps its contract." }
+        (table_of("Premises", &["Premise", "What it says", "Why the proof may use it", "Place"], &html! {
+            @for premise in premises { tr {
+                th scope="row" { (premise.name) }
+                td { @match &premise.says {
+                    Says::Formula(formula) => code { (formula) },
+                    Says::Words(words) => (words),
+                } }
+                td { (premise.kind) @if !premise.by.is_empty() { ": " (premise.by) } }
+                td { @if let Some(span) = premise.place { (place(span)) } }
+            } }
+        }))
+    }
+}
