@@ -10,8 +10,8 @@
 //! array stay where they are; their order is kept beside it, in the digits of one number. A new
 //! event gets its place in this order by comparisons whose results no branch depends on: when an
 //! event happens cannot be predicted, so branches would often be mispredicted. The same is true of
-//! the way down the heap. In a small line, there are no later events; in a large one, an event takes
-//! logarithmic time.
+//! the way down the heap. In a small line, there are no later events; in a large one, an event
+//! takes logarithmic time.
 
 /// Future events, sorted by time; see the module documentation.
 #[derive(Debug, Clone)]

@@ -26,6 +26,10 @@ pub(super) struct Requests {
     first: Option<Request>,
     /// Those after the first one; empty if there is none. Apart, because this is large and rarely
     /// needed.
+    #[expect(
+        clippy::box_collection,
+        reason = "a node has to fit into one line of the cache"
+    )]
     others: Option<Box<VecDeque<Request>>>,
 }
 

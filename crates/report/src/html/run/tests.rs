@@ -186,7 +186,7 @@ fn the_conclusion_is_in_words() {
         &text,
         &[
             "1 d simulated",
-            "In this one run, the line made 294 products (189 WaterPallet, 105 JuicePallet), 12.2 an hour; half of them were in it for less than 6 min 28 s. The supply from water and juice limits it, not filler, which waits for parts for 11.9 % of its time on shift. All requirements hold. No contract was violated. One run has no confidence interval: add <code class=\"option\">--replications 10</code> to get one.",
+            "In this one run, the line made 294 products (189 WaterPallet, 105 JuicePallet), 12.2 an hour (17.3 on shift); half of them were in it for at most 6 min 28 s. The supply from water and juice limits it first: filler waits for parts for 11.9 % of its time on shift. All requirements hold. No contract was violated. One run has no confidence interval: add <code class=\"option\">--replications 10</code> to get one.",
             "189 WaterPallet, 105 JuicePallet; 21 Water, 14 Juice rejected",
             "availability 69.6 % (busy share of its time on shift)",
             "Availability is that of ISO 22400-2: actual production time by planned busy time",

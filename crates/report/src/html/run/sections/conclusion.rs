@@ -38,13 +38,16 @@ fn products(page: &Page<'_>) -> String {
             counted_runs(runs)
         ),
         Some(Intervals::Batches(batches)) => format!(
-            "In {} batches of this one run, the line made {of_runs} {word} an hour; half of them were in it for less than {median}.",
+            "In {} batches of this one run, the line made {of_runs} {word} an hour; half of them were in it for at most {median}.",
             batches.count
         ),
         None => format!(
-            "In this one run, the line made {}, {} an hour; half of them were in it for less than {median}.",
+            "In this one run, the line made {}, {} an hour{}; half of them were in it for at most {median}.",
             counted(page.line, &made(page.line, trace)),
-            figure(trace.throughput_per_hour)
+            figure(trace.throughput_per_hour),
+            trace.throughput_on_shift.map_or(String::new(), |rate| {
+                format!(" ({} on shift)", figure(rate))
+            })
         ),
     }
 }
@@ -130,7 +133,7 @@ fn limit_with_evidence(bottleneck: &Bottleneck) -> Option<String> {
             busiest: Some(station),
             parts_wait: true,
         } => format!(
-            "The supply from {} limits it, not {}, which waits for parts for {} of its time on shift.",
+            "The supply from {} limits it first: {} waits for parts for {} of its time on shift.",
             names.join(" and "),
             station.name,
             percent(station.starved_on_shift)

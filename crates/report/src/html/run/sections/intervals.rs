@@ -69,6 +69,11 @@ fn value_of(measure: Measure, value: f64) -> String {
 /// The unit in the names of times.
 const SECONDS: &str = " in s";
 
+/// Whether a measure says something about the line: the length of a run that time ends does not.
+fn is_result(page: &Page<'_>, measure: Measure) -> bool {
+    measure != Measure::Makespan || first(page).end != End::Time
+}
+
 pub(super) fn replications(page: &Page<'_>) -> Markup {
     const SHOWN: [Measure; 6] = [
         Measure::Throughput,
@@ -96,11 +101,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
         ),
     };
     let is_single = matches!(page.intervals, Some(Intervals::Batches(_)));
-    // The length of a run that time ends is no result.
-    let by_time = first(page).end == End::Time;
-    let shown = SHOWN
-        .iter()
-        .filter(|measure| !(by_time && **measure == Measure::Makespan));
+    let shown = SHOWN.iter().filter(|measure| is_result(page, **measure));
     let ranges: Vec<Range> = shown
         .filter_map(|measure| {
             let estimate = estimate(page, *measure)?;
@@ -159,16 +160,20 @@ pub(super) fn comparison(page: &Page<'_>) -> Markup {
         return html! {};
     }
     let labels: Vec<&str> = variants.iter().map(|of| of.variant.label()).collect();
-    let ranges: Vec<Range> = COMPARED
-        .into_iter()
+    let shown = || COMPARED.into_iter().filter(|of| is_result(page, *of));
+    let ranges: Vec<Range> = shown()
         .flat_map(|measure| of_measure(variants, measure))
         .filter(|(_, compared)| compared.as_it_is != 0.0)
         .map(|(variant, compared)| range(compared, labels[variant], variants.len() > 1))
         .collect();
-    let rows: Vec<Vec<String>> = COMPARED
-        .into_iter()
+    let rows: Vec<Vec<String>> = shown()
         .flat_map(|measure| measure_rows(variants, &labels, measure))
         .collect();
+    let of_first_run = if page.traces.len() > 1 {
+        ", in the first run"
+    } else {
+        ""
+    };
     let inside = html! {
         @for compared in variants { p {
             @if variants.len() > 1 { strong { (compared.variant.label()) } ": what" } @else { "What" }
@@ -177,10 +182,10 @@ pub(super) fn comparison(page: &Page<'_>) -> Markup {
         p { "All lines were run with the same random seeds. The chart shows the differences in percent of the line as it is, with their paired 95 % confidence intervals." }
         (charts::ranges("Differences", &ranges))
         (table(&["Measure", "Line", "Mean", "Difference from the line as it is", "More than noise"], &rows))
-        h3 { "Where the time goes, as it is" }
+        h3 { "Where the time goes, as it is" (of_first_run) }
         (shares(&first(page).stations))
         @for compared in variants { @if let Some(other) = compared.traces.first() {
-            h3 { "Where the time goes, " (compared.variant.label()) }
+            h3 { "Where the time goes, " (compared.variant.label()) (of_first_run) }
             (shares(&other.stations))
         } }
     };

@@ -211,7 +211,7 @@ fn losses(page: &Page<'_>) -> Markup {
     });
     html! {
         p { "The time of " (station.name) " by state:" }
-        (table(&["State", "Share", "Time"], &rows.collect::<Vec<_>>()))
+        (table(&["State", "Share of all time", "Time"], &rows.collect::<Vec<_>>()))
         p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower." }
     }
 }

@@ -42,9 +42,9 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
             @if !page.line.doc.is_empty() { p.doc { (page.line.doc) } }
             p {
                 (duration_in_units(trace.seconds)) " simulated, random seed " (trace.seed)
-                @if page.traces.len() > 1 { "; the first of " (page.traces.len()) " runs, of which pictures, charts and tables are, unless they have intervals" }
                 @if trace.warm_up > 0.0 { "; the first " (duration_in_units(trace.warm_up)) " are the warm-up and do not count" }
                 ". " (ending(trace.end))
+                @if page.traces.len() > 1 { " This is the first of " (page.traces.len()) " runs. The text above the pictures, the tiles and all intervals are of all runs; everything else is of this run alone." }
                 @if let Some(day) = page.line.first_day {
                     " It begins on " (WEEKDAYS[usize::from(weekday(day))]) ", " (format_date(day)) ", at 0:00."
                 }
