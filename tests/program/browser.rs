@@ -1,7 +1,8 @@
 //! Pages in a headless Chromium: no request, no error, nothing that axe-core finds, and all
 //! controls work. A walk through a controller gives the values that `step` gives.
 
-use crate::support::{PROGRAM, programs, root, sandbox, skip};
+use crate::support::programs::{self, page};
+use crate::support::{PROGRAM, root, sandbox, skip};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -102,20 +103,6 @@ fn reports_can_be_read_and_used_in_a_browser() {
     );
     assert!(opened.success, "{}", opened.all());
     assert_eq!(opened.output, "", "{}", opened.errors);
-}
-
-/// Runs a command with an option that writes a page, and returns the path of the page.
-fn page(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
-    let path = folder.join(format!("{name}.html"));
-    let run = programs::run(
-        Command::new(PROGRAM)
-            .args(arguments)
-            .arg(&path)
-            .current_dir(folder),
-        Duration::from_mins(3),
-    );
-    assert!(path.is_file(), "{}", run.all());
-    path
 }
 
 #[test]

@@ -1,21 +1,12 @@
 //! What pages of checks, controllers and plays say, read as text.
 
-use crate::support::{PROGRAM, programs, sandbox};
+use crate::support::{programs, sandbox};
 use std::path::Path;
-use std::process::Command;
-use std::time::Duration;
 
 /// Runs a command with an option that writes a page, and returns the page.
 fn page(folder: &Path, arguments: &[&str]) -> String {
-    let path = folder.join("page.html");
-    let run = programs::run(
-        Command::new(PROGRAM)
-            .args(arguments)
-            .arg(&path)
-            .current_dir(folder),
-        Duration::from_mins(3),
-    );
-    std::fs::read_to_string(&path).unwrap_or_else(|_| panic!("{}", run.all()))
+    let path = programs::page(folder, "page", arguments);
+    std::fs::read_to_string(path).expect("the page")
 }
 
 /// The text of elements, with single blanks between words.

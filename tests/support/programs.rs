@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{Read as _, Seek as _};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -30,6 +31,20 @@ impl Finished {
     pub fn all(&self) -> String {
         format!("{}{}", self.output, self.errors)
     }
+}
+
+/// Runs a command with an option that writes a page, and returns the path of the page.
+pub fn page(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
+    let path = folder.join(format!("{name}.html"));
+    let run = run(
+        Command::new(super::PROGRAM)
+            .args(arguments)
+            .arg(&path)
+            .current_dir(folder),
+        Duration::from_mins(3),
+    );
+    assert!(path.is_file(), "{}", run.all());
+    path
 }
 
 /// Runs a program; it is terminated when it takes too long, which is noted in its errors.

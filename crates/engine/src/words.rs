@@ -15,6 +15,9 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::{self, Write as _};
 
+/// What discharges an obligation that is true of all values.
+pub const ALWAYS_HOLDS: &str = "it always holds";
+
 /// Formats a proof about a system.
 #[derive(Debug, Clone, Copy)]
 pub struct ProofPrinter<'a> {
@@ -59,7 +62,7 @@ impl<'a> ProofPrinter<'a> {
         let names = names.join(", ");
         match (discharge.rule, names.is_empty()) {
             (DischargeRule::Exported, _) => "passed on: the caller has to keep it".to_owned(),
-            (_, true) => "it always holds".to_owned(),
+            (_, true) => ALWAYS_HOLDS.to_owned(),
             _ => names,
         }
     }
@@ -99,7 +102,7 @@ impl<'a> ProofPrinter<'a> {
                 }
             }
             let by = match by.as_slice() {
-                [] => "nothing: it always holds".to_owned(),
+                [] => format!("nothing: {ALWAYS_HOLDS}"),
                 by => by.join(", "),
             };
             let _ = writeln!(text, "  {name:<width$}  {by}");

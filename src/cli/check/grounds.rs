@@ -5,7 +5,7 @@ use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::engine::files::LoadedFiles;
 use crate::engine::machines;
-use crate::engine::words::{DischargeEntry, DischargeRuleName};
+use crate::engine::words::{ALWAYS_HOLDS, DischargeEntry, DischargeRuleName};
 use crate::report::html::parts::table_of;
 use crate::source::{SourceMap, Span};
 use maud::{Markup, html};
@@ -126,13 +126,10 @@ fn named(owner: &str, discharge: &DischargeEntry) -> String {
     }
 }
 
-/// What discharges a formula that is true of all values.
-const ALWAYS: &str = "it always holds";
-
 /// What kind of premise an obligation is; `None` if the proof shows it.
 fn kind(discharge: &DischargeEntry) -> Option<&'static str> {
     match discharge.rule {
-        _ if discharge.by == ALWAYS => None,
+        _ if discharge.by == ALWAYS_HOLDS => None,
         DischargeRuleName::Environment => Some("assumed about the environment"),
         DischargeRuleName::Exported => Some("left to the caller"),
         DischargeRuleName::Controllers => Some(

@@ -317,25 +317,13 @@ impl RuleSet {
                 }
             }
         }
-        let others = self.answers.iter().enumerate();
-        let unread: BTreeSet<usize> = others
-            .filter(|(other, _)| !waits_for.contains(other))
-            .flat_map(|(_, answers)| answers.iter().copied())
-            .collect();
-        let last = self.last.iter().filter(|rule| !unread.contains(rule));
-        (rules, last.copied().collect())
+        (rules, only_of(&waits_for, &self.answers, &self.last))
     }
 
     /// Returns the rules of `keep` without those of components other than `near`. Every run that
     /// keeps `keep` keeps these rules, too.
     pub fn keep_of(&self, near: &BTreeSet<usize>) -> Vec<usize> {
-        let own = self.own.iter().enumerate();
-        let others: BTreeSet<usize> = own
-            .filter(|(component, _)| !near.contains(component))
-            .flat_map(|(_, rules)| rules.iter().copied())
-            .collect();
-        let keep = self.keep.iter().filter(|rule| !others.contains(rule));
-        keep.copied().collect()
+        only_of(near, &self.own, &self.keep)
     }
 
     /// Returns the components that drive a variable which a component's own rules mention, and the
@@ -403,6 +391,19 @@ impl ClosedComposition<'_> {
             states: participant.states.as_ref()?,
         })
     }
+}
+
+/// Returns `rules` without those that belong to components other than these. `own` has the rules of
+/// each component.
+fn only_of(components: &BTreeSet<usize>, own: &[Vec<usize>], rules: &[usize]) -> Vec<usize> {
+    let others: BTreeSet<usize> = own
+        .iter()
+        .enumerate()
+        .filter(|(component, _)| !components.contains(component))
+        .flat_map(|(_, rules)| rules.iter().copied())
+        .collect();
+    let left = rules.iter().filter(|rule| !others.contains(rule));
+    left.copied().collect()
 }
 
 /// Returns the condition that a formula puts on step 0 and on later steps; always true for justice.

@@ -13,16 +13,6 @@ use linewright_line::log::Activity;
 use packed::{Bytes, tick};
 use serde_json::{Value, json};
 
-/// States in the order of their numbers in the columns.
-const STATES: [Activity; 6] = [
-    Activity::Busy,
-    Activity::Starved,
-    Activity::Blocked,
-    Activity::Failed,
-    Activity::Idle,
-    Activity::Setup,
-];
-
 /// All states, in their order.
 const ACTIVITIES: [Activity; 7] = [
     Activity::Busy,
@@ -33,6 +23,15 @@ const ACTIVITIES: [Activity; 7] = [
     Activity::Setup,
     Activity::FailedOffShift,
 ];
+
+/// Number of states that are shown apart, in the order of their numbers in the columns: the first
+/// of all. The last one is shown as failed.
+const SHOWN: usize = ACTIVITIES.len() - 1;
+
+/// Classes of the states that are shown apart.
+fn shown_states() -> [&'static str; SHOWN] {
+    std::array::from_fn(|state| state_class(ACTIVITIES[state]))
+}
 
 /// Number of a movement's end that is no place: finished, rejected, joined.
 const ENDS: u64 = 3;
@@ -87,7 +86,7 @@ pub(super) fn json(page: &Page<'_>, picture: &Picture) -> String {
         }).collect::<Vec<_>>(),
         "parts": page.line.parts.iter().map(|part| &part.name).collect::<Vec<_>>(),
         "links": picture.links,
-        "stateNames": STATES.map(state_class),
+        "stateNames": shown_states(),
         "states": states,
         "statesEnd": recorder.states_end,
         "laterStates": later_states(page),
@@ -135,7 +134,7 @@ fn state_column(
     for (time, state) in changes {
         let now = ticks(*time);
         let class = state_class(shown(*state, waiting));
-        let number = STATES.iter().position(|state| state_class(*state) == class);
+        let number = shown_states().iter().position(|shown| *shown == class);
         bytes.push((now - last) << 3 | number.unwrap_or(0) as u64);
         last = now;
     }
@@ -165,7 +164,7 @@ fn later_states(page: &Page<'_>) -> Value {
         let bins = bins.iter().skip(first);
         for bin in bins.clone() {
             let all: f64 = bin.iter().sum();
-            for class in STATES.map(state_class) {
+            for class in shown_states() {
                 let states = bin.iter().zip(ACTIVITIES);
                 let of_class =
                     states.filter(|(_, state)| state_class(shown(*state, waiting)) == class);
