@@ -4,7 +4,8 @@
 //! until it is done, `always (R and not D -> next R)`, where D is an output. Or it has an output
 //! `turn_executed` or `turn_done` for an input that has a value `turn`. The property that should
 //! hold is `always eventually (not R or D)`. The check determines whether all controllers ensure
-//! it, only some, or none.
+//! it, only some, or none. If none can, the contract may name what comes in place of a completion,
+//! as in `always eventually (not R or D or fault)`; then nothing is reported.
 
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
@@ -60,9 +61,32 @@ pub fn uncompleted<K: Kernel>(
             ..arena.clone()
         };
         request.enforceable = demanding.wins_initially(&winning_states(&demanding)?)?;
-        found.push(request);
+        if request.enforceable || !names_exception(arena, reached, &waiting)? {
+            found.push(request);
+        }
     }
     Ok(found)
+}
+
+/// Whether the contract names what may come in place of a completion, like a fault: some goal, open
+/// at times, is met by every completion and by a part of the waiting.
+fn names_exception<K: Kernel>(
+    arena: &Arena<K>,
+    reached: &K::Function,
+    waiting: &K::Function,
+) -> Result<bool, Limit> {
+    let m = &arena.kernel;
+    let waiting = m.and(reached, waiting)?;
+    for goal in &arena.goals {
+        let unmet = m.and_not(reached, goal)?;
+        if !m.is_false(&unmet)
+            && m.is_false(&m.and_not(&unmet, &waiting)?)
+            && !m.is_false(&m.and(&waiting, goal)?)
+        {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// Returns the requests that a specification declares.
