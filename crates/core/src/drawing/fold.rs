@@ -19,6 +19,9 @@ const ROW_GAP: f64 = 26.0;
 /// Distance between links that lead from row to row, and from a box to such a link.
 const LANE: f64 = 9.0;
 
+/// Distance from the left of a box to such a link, in SVG units: the heads of arrows are there.
+const ARROWS: f64 = 18.0;
+
 /// How far a cut may be from its best place, in SVG units, to save the crossing of a link.
 const CROSSING: f64 = 60.0;
 
@@ -255,20 +258,23 @@ fn free(
     sizes: &[Size],
     in_row: &[usize],
 ) -> f64 {
-    let mut x = from + direction * LANE;
+    let mut x = from + if direction < 0.0 { -ARROWS } else { LANE };
     // Each box pushes it on at most once.
     for _ in boxes {
         let in_the_way = boxes
             .iter()
             .zip(sizes)
             .zip(in_row)
-            .find(|((at, size), of)| {
-                **of == row && (at.x - x).abs() < size.width / 2.0 + LANE - 0.5
-            });
-        let Some(((at, size), _)) = in_the_way else {
+            .filter(|(_, of)| **of == row)
+            .map(|((at, size), _)| {
+                let half = size.width / 2.0;
+                (at.x - half - ARROWS, at.x + half + LANE)
+            })
+            .find(|(start, end)| x > start + 0.5 && x < end - 0.5);
+        let Some((start, end)) = in_the_way else {
             break;
         };
-        x = at.x + direction * (size.width / 2.0 + LANE);
+        x = if direction < 0.0 { start } else { end };
     }
     x
 }
@@ -370,6 +376,25 @@ mod tests {
             assert!(at.y + size.height / 2.0 <= folded.size.height + 1e-6);
             for other in &all[index + 1..] {
                 assert!(are_apart((*at, *size), *other), "{at:?} {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_link_passes_through_the_heads_of_arrows() {
+        let (sizes, links) = chain(30, &[(25, 3), (12, 14), (0, 29)], Size::default());
+        let folded = place_in_rows(&sizes, &links, SPACING);
+        for (index, link) in folded.links.iter().enumerate() {
+            for pair in link.points.windows(2).filter(|pair| pair[0].x == pair[1].x) {
+                let (low, high) = (pair[0].y.min(pair[1].y), pair[0].y.max(pair[1].y));
+                for (other, drawn) in folded.links.iter().enumerate() {
+                    let tip = drawn.points[drawn.points.len() - 1];
+                    let is_through = low < tip.y && tip.y < high;
+                    let distance = tip.x - pair[0].x;
+                    assert!(
+                        other == index || !is_through || !(0.0..ARROWS - 1.0).contains(&distance)
+                    );
+                }
             }
         }
     }
