@@ -26,9 +26,14 @@ pub fn count(number: usize, what: &str) -> String {
 
 /// A section with its heading.
 pub fn section(id: &str, heading: &str, inside: &Markup) -> Markup {
+    section_of(id, heading, None, inside)
+}
+
+/// A section whose heading has a note: what it is about, where that is not the whole page.
+pub fn section_of(id: &str, heading: &str, note: Option<&str>, inside: &Markup) -> Markup {
     html! {
         section id=(id) aria-labelledby=(format!("{id}-heading")) {
-            h2 id=(format!("{id}-heading")) { (heading) }
+            h2 id=(format!("{id}-heading")) { (heading) @if let Some(note) = note { " " span.of { (note) } } }
             (inside)
         }
     }

@@ -310,12 +310,20 @@ impl Scale {
             (low.min(value), high.max(value))
         });
         let widening = if high > low { 0.0 } else { 0.01 };
+        let (low, high) = (low - widening, high + widening);
+        let step = Self::step(low, high);
+        // There is a mark at each end.
         Self {
-            low: low - widening,
-            high: high + widening,
+            low: (low / step).floor() * step,
+            high: (high / step).ceil() * step,
             left,
             right,
         }
+    }
+
+    /// Distance between two marks.
+    fn step(low: f64, high: f64) -> f64 {
+        marks(high - low, 6).get(1).copied().unwrap_or(0.01)
     }
 
     fn x(&self, value: f64) -> f64 {
@@ -323,12 +331,9 @@ impl Scale {
     }
 
     fn marks(&self) -> Vec<f64> {
-        let step = marks(self.high - self.low, 6)
-            .get(1)
-            .copied()
-            .unwrap_or(0.01);
-        let first = (self.low / step).ceil() as i64;
-        let last = (self.high / step).floor() as i64;
+        let step = Self::step(self.low, self.high);
+        let first = (self.low / step - 1e-6).ceil() as i64;
+        let last = (self.high / step + 1e-6).floor() as i64;
         (first..=last).map(|index| index as f64 * step).collect()
     }
 }

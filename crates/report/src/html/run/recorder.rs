@@ -162,20 +162,34 @@ impl Recorder {
         self.units_by_type[kind].clone().until(self.end)
     }
 
-    /// End products an hour in each bin of time, and the width of a bin in seconds.
+    /// End products an hour in each bin of time, and the width of a bin in seconds. A last bin of
+    /// less than half that width has the mean of itself and the bin before it: a product more or
+    /// less would look like a burst.
     pub(super) fn throughput(&self) -> (Vec<f64>, f64) {
         /// Maximum number of bins: a product that is finished must not look like a burst.
         const BINS: usize = 48;
         let (sums, width) = self.finished.clone().until(self.end, BINS);
-        let bins = sums.iter().enumerate().map(|(bin, products)| {
-            let seconds = (self.end - bin as f64 * width).min(width);
+        let per_hour = |products: f64, seconds: f64| {
             if seconds > 0.0 {
                 products * 3600.0 / seconds
             } else {
                 0.0
             }
-        });
-        (bins.collect(), width)
+        };
+        let length = |bin: usize| (self.end - bin as f64 * width).min(width);
+        let mut bins: Vec<f64> = sums
+            .iter()
+            .enumerate()
+            .map(|(bin, products)| per_hour(*products, length(bin)))
+            .collect();
+        if let [.., before, last] = sums[..]
+            && length(sums.len() - 1) < width / 2.0
+        {
+            let mean = per_hour(before + last, width + length(sums.len() - 1).max(0.0));
+            let tail = bins.len() - 2;
+            bins[tail..].fill(mean);
+        }
+        (bins, width)
     }
 
     /// The state as which a station's waiting for parts is shown: idle if no part ever came.

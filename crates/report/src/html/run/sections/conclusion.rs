@@ -1,7 +1,8 @@
 //! What came out, in words, and what it is worth: one run, its batches, or several runs.
 
-use super::super::Page;
-use super::intervals::{estimate, interval, mean_of_runs};
+use super::super::charts::signed;
+use super::super::{Compared, Page};
+use super::intervals::{changes, estimate, interval, mean_of_runs};
 use super::summary::judged;
 use super::{counted, first, made};
 use crate::Intervals;
@@ -17,7 +18,33 @@ pub(super) fn conclusion(page: &Page<'_>) -> String {
     sentences.extend(limits(page));
     sentences.extend(requirements(page));
     sentences.push(violations(page.traces));
+    sentences.extend(page.comparisons.iter().filter_map(variant));
     sentences.join(" ")
+}
+
+/// What a variant does to the throughput.
+fn variant(compared: &Compared<'_>) -> Option<String> {
+    let mut all = compared.comparisons.iter();
+    let of = all.find(|of| of.measure == Measure::Throughput && of.as_it_is > 0.0)?;
+    let share = |difference: f64| signed(difference / of.as_it_is);
+    let (change, mean) = (changes(compared.variant), of.difference.mean);
+    Some(match (of.is_significant(), of.difference.half_width) {
+        (Some(true), Some(half)) => format!(
+            "If {change}, the throughput changes by {} (95 %: {} to {}).",
+            share(mean),
+            share(mean - half),
+            share(mean + half)
+        ),
+        (Some(false), Some(half)) => format!(
+            "If {change}, the throughput does not change by more than noise (95 %: {} to {}).",
+            share(mean - half),
+            share(mean + half)
+        ),
+        _ => format!(
+            "If {change}, the throughput changes by {} in this run.",
+            share(mean)
+        ),
+    })
 }
 
 fn products(page: &Page<'_>) -> String {

@@ -2,9 +2,9 @@
 
 use super::super::Page;
 use super::super::moments::Moments;
-use super::first;
+use super::{first, section_of_first};
 use crate::html::numbers::count;
-use crate::html::parts::{origin, section, table, table_of};
+use crate::html::parts::{origin, table, table_of};
 use linewright_core::gr1::Formula;
 use linewright_line::Trace;
 use linewright_line::trace::Violation;
@@ -59,7 +59,7 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
             }))
         }
     };
-    section("violations", "Violations", &inside)
+    section_of_first(page, "violations", "Violations", &inside)
 }
 
 /// A button that goes to a moment of the run.

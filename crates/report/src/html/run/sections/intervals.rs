@@ -264,7 +264,8 @@ fn measure_rows(variants: &[Compared<'_>], labels: &[&str], measure: Measure) ->
     rows
 }
 
-fn changes(variant: &Variant) -> String {
+/// What differs in a variant, as the condition of a sentence.
+pub(super) fn changes(variant: &Variant) -> String {
     let set = variant
         .set
         .iter()

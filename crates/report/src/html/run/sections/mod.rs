@@ -10,6 +10,7 @@ mod summary;
 use super::picture::Picture;
 use super::{Page, state_class};
 use crate::html::numbers::count;
+use crate::html::parts::section_of;
 use evidence::{model, violations};
 use intervals::{comparison, replications};
 use linewright_language::contract::line::Line;
@@ -62,6 +63,16 @@ pub(super) fn all(page: &Page<'_>, picture: &Picture) -> Markup {
     }
 }
 
+/// The stations that took no energy in the first run.
+fn unpowered<'a>(page: &Page<'a>) -> Vec<&'a str> {
+    let has_none = |node: usize| page.recorder.joules[node].iter().sum::<f64>() <= 0.0;
+    let stations = first(page).stations.iter();
+    stations
+        .filter(|station| has_none(station.node))
+        .map(|station| station.name.as_str())
+        .collect()
+}
+
 /// Number of end products of each type, in the order of the line's part types.
 fn made(line: &Line, trace: &Trace) -> Vec<(usize, u64)> {
     match line.only_product() {
@@ -89,6 +100,20 @@ fn counted(line: &Line, numbers: &[(usize, u64)]) -> String {
 
 fn first<'a>(page: &Page<'a>) -> &'a Trace {
     &page.traces[0]
+}
+
+/// A section about the first run, which its heading says if there are several.
+fn section_of_first(page: &Page<'_>, id: &str, heading: &str, inside: &Markup) -> Markup {
+    let note = match page.traces {
+        [_] => None,
+        [first, ..] => Some(format!(
+            "run 1 of {}, random seed {}",
+            page.traces.len(),
+            first.seed
+        )),
+        [] => unreachable!("a page has a run; please report this"),
+    };
+    section_of(id, heading, note.as_deref(), inside)
 }
 
 fn legend() -> Markup {

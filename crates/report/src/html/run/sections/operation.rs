@@ -4,9 +4,11 @@ use super::super::charts::{Bar, Piece};
 use super::super::moments::Moments;
 use super::super::picture::Picture;
 use super::super::{Page, charts, state_class};
-use super::{STATES, first, idle_name, legend, legend_with, part_shape, parts_legend};
+use super::{
+    STATES, first, idle_name, legend, legend_with, part_shape, parts_legend, section_of_first,
+};
 use crate::html::numbers::{count, percent};
-use crate::html::parts::{behind, section, table};
+use crate::html::parts::{behind, table};
 use crate::table::bottleneck;
 use linewright_language::contract::line::declared_name;
 use linewright_line::log::Activity;
@@ -41,7 +43,7 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
         } }
         p.hint #cut {}
     };
-    section("line-section", "The line", &inside)
+    section_of_first(page, "line-section", "The line", &inside)
 }
 
 /// Patterns by which states can be distinguished without colours.
@@ -187,7 +189,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         p { (bottleneck(&first(page).bottleneck)) "." }
         (losses(page))
     };
-    section("stations", "Where the time goes", &inside)
+    section_of_first(page, "stations", "Where the time goes", &inside)
 }
 
 /// The time of the busiest station by state, in shares and as a duration.
@@ -212,7 +214,7 @@ fn losses(page: &Page<'_>) -> Markup {
     html! {
         p { "The time of " (station.name) " by state:" }
         (table(&["State", "Share of all time", "Time"], &rows.collect::<Vec<_>>()))
-        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower." }
+        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Quality is the share of a station's parts that were not rejected because of it. A rejected part counts against the station that made it defective, or else against the last one that worked on it." }
     }
 }
 
@@ -247,5 +249,5 @@ pub(super) fn timeline(page: &Page<'_>) -> Markup {
         } }))
         @if has_refusals { p.hint { "A station or conveyor refuses a part, or a command, if its contract does not allow it. This takes no time, so it is a mark on the row and not a state." @if page.recorder.has_more_refusals() { " Later refusals are not marked." } } }
     };
-    section("timeline", "Timeline of the stations", &inside)
+    section_of_first(page, "timeline", "Timeline of the stations", &inside)
 }

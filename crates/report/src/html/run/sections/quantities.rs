@@ -5,9 +5,11 @@ use super::super::moments::Moments;
 use super::super::picture::{Picture, by_type};
 use super::super::series::Curve;
 use super::super::{Page, charts, state_class};
-use super::{STATES, first, idle_name, legend, part_class, parts_legend};
+use super::{
+    STATES, first, idle_name, legend, made, part_class, parts_legend, section_of_first, unpowered,
+};
 use crate::html::numbers::{count, figure, percent};
-use crate::html::parts::{behind, section, table};
+use crate::html::parts::{behind, table};
 use linewright_language::contract::line::NodeKind;
 use linewright_line::log::Activity;
 use linewright_line::metric::JOULES_PER_KWH;
@@ -78,10 +80,10 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
             (charts::curve(&format!("Parts in {} over time", node.name), curve, axis, Some(*capacity)))
         }
         @if !rows.is_empty() {
-            (behind(&["Buffer", "Passed", "Mean length", "Longest", "Full", "Mean wait", "Longest wait", "Expired"], &rows))
+            (behind(&["Buffer", "Passed", "Mean length", "Longest", "Full, of all time", "Mean wait", "Longest wait", "Expired"], &rows))
         }
     };
-    section("queues", "Work in progress and queues", &inside)
+    section_of_first(page, "queues", "Work in progress and queues", &inside)
 }
 
 /// A curve as some twenty rows of a table.
@@ -148,7 +150,8 @@ pub(super) fn lead_times(page: &Page<'_>) -> Markup {
         })
         .collect();
     let inside = html! {
-        p { "From the entry of a product's first part to the completion of the product: mean " (duration_in_units(time.mean)) ", median " (duration_in_units(time.p50)) ", 95th percentile " (duration_in_units(time.p95)) ", maximum " (duration_in_units(time.max)) ". Each column is " (duration_in_units(columns.width)) " wide." }
+        p { "From the entry of a product's first part to the completion of the product: mean " (duration_in_units(time.mean)) ", median " (duration_in_units(time.p50)) ", 95th percentile " (duration_in_units(time.p95)) ", maximum " (duration_in_units(time.max)) ". Each column is " (duration_in_units(columns.width)) " wide."
+            @if trace.warm_up > 0.0 { " Products that were begun during the warm-up and finished after it count, with all of their time." } }
         @if columns.beyond > 0 { p { (count(columns.beyond)) " products took longer than the chart shows, up to " (duration_in_units(time.max)) "." } }
         (charts::histogram("Number of products by lead time", &columns, &lines))
         (behind(&["Lead time", "Products"], &rows))
@@ -156,7 +159,7 @@ pub(super) fn lead_times(page: &Page<'_>) -> Markup {
             (table(&["Product", "Number", "An hour", "Mean", "Median", "95th percentile", "Maximum"], &by_type))
         }
     };
-    section("lead-times", "Lead times", &inside)
+    section_of_first(page, "lead-times", "Lead times", &inside)
 }
 
 pub(super) fn energy(page: &Page<'_>) -> Markup {
@@ -221,12 +224,7 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
     let mut headings = vec!["Place"];
     headings.extend(STATES.map(|(_, name)| name));
     headings.push("all, kWh");
-    let unpowered: Vec<&str> = trace
-        .stations
-        .iter()
-        .filter(|station| nodes.iter().all(|(index, _)| *index != station.node))
-        .map(|station| station.name.as_str())
-        .collect();
+    let unpowered = unpowered(page);
     let (watts, width) = recorder.power();
     let kilowatts: Vec<f64> = watts.iter().map(|watts| watts / 1000.0).collect();
     let inside = html! {
@@ -234,11 +232,11 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
         (charts::bars("Energy of each place by its state", &bars, most))
         (legend())
         (behind(&headings, &rows))
-        @if !unpowered.is_empty() { p { "No power is given for " (unpowered.join(", ")) "." } }
+        @if !unpowered.is_empty() { p { "The model gives no power for " (unpowered.join(", ")) ", so their energy is not in these figures." } }
         h3 { "Power over time in kW, mean of each " (duration_in_units(width)) }
         (charts::rate("Power over time in kilowatts", &kilowatts, width, page.axis()))
     };
-    section("energy", "Energy", &inside)
+    section_of_first(page, "energy", "Energy", &inside)
 }
 
 pub(super) fn flow(page: &Page<'_>, picture: &Picture) -> Markup {
@@ -293,7 +291,7 @@ pub(super) fn flow(page: &Page<'_>, picture: &Picture) -> Markup {
         (behind(&["From", "To", "Parts", "By part type"], &rows))
         (yields(page))
     };
-    section("flow", "Flow between places", &inside)
+    section_of_first(page, "flow", "Flow between places", &inside)
 }
 
 /// What became of the parts of each type.
@@ -342,8 +340,11 @@ fn balance(page: &Page<'_>) -> Markup {
 /// First-pass yield and scrap by part type.
 fn yields(page: &Page<'_>) -> Markup {
     let of_types = page.line.parts.iter().zip(&first(page).yields_by_type);
-    let row = |name: &str, yields: &Yields| {
-        let share = |share: Option<f64>| share.map_or("-".to_owned(), percent);
+    let of_types = of_types.enumerate();
+    let products = made(page.line, first(page));
+    let row = |name: &str, yields: &Yields, is_product: bool| {
+        let share =
+            |share: Option<f64>| share.filter(|_| is_product).map_or("-".to_owned(), percent);
         vec![
             name.to_owned(),
             count(yields.finished),
@@ -353,13 +354,18 @@ fn yields(page: &Page<'_>) -> Markup {
             share(yields.scrap_ratio()),
         ]
     };
-    let rows = of_types.filter(|(_, yields)| yields.finished + yields.scrapped > 0);
-    let mut rows: Vec<Vec<String>> = rows.map(|(part, of)| row(&part.name, of)).collect();
+    let rows = of_types.filter(|(_, (_, yields))| yields.finished + yields.scrapped > 0);
+    let mut rows: Vec<Vec<String>> = rows
+        .map(|(kind, (part, of))| {
+            let is_product = products.iter().any(|(product, _)| *product == kind);
+            row(&part.name, of, is_product)
+        })
+        .collect();
     if rows.is_empty() {
         return html! {};
     }
     if rows.len() > 1 {
-        rows.push(row("all", &first(page).yields));
+        rows.push(row("all", &first(page).yields, true));
     }
     let headings = [
         "Left the line as",
@@ -371,7 +377,7 @@ fn yields(page: &Page<'_>) -> Markup {
     ];
     html! {
         h3 { "First-pass yield" }
-        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Without rework: no station worked on the part twice. The yield is their share of all that finished or were scrapped." }
+        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Without rework: no station worked on the part twice. The yield is their share of all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
         (table(&headings, &rows))
     }
 }

@@ -3,7 +3,7 @@
 use super::super::Page;
 use super::conclusion::{conclusion, limit, most_frequent};
 use super::intervals::{estimate, interval, mean_of_runs};
-use super::{first, made};
+use super::{first, made, unpowered};
 use crate::Intervals;
 use crate::html::numbers::{count, exact, figure, percent};
 use crate::html::parts::{links, section, table_of, tile};
@@ -44,7 +44,7 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
                 (duration_in_units(trace.seconds)) " simulated, random seed " (trace.seed)
                 @if trace.warm_up > 0.0 { "; the first " (duration_in_units(trace.warm_up)) " are the warm-up and do not count" }
                 ". " (ending(trace.end))
-                @if page.traces.len() > 1 { " This is the first of " (page.traces.len()) " runs. The text above the pictures, the tiles and all intervals are of all runs; everything else is of this run alone." }
+                @if page.traces.len() > 1 { " This is run 1 of " (page.traces.len()) ". The conclusion, the figures below it, and the intervals are of all runs; sections that are of run 1 alone say so." }
                 @if let Some(day) = page.line.first_day {
                     " It begins on " (WEEKDAYS[usize::from(weekday(day))]) ", " (format_date(day)) ", at 0:00."
                 }
@@ -71,16 +71,11 @@ fn ending(end: End) -> &'static str {
 /// A tile for a measure: its mean with the interval if there is one, otherwise the value of the run
 /// with a note.
 fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &str) -> Markup {
-    let product = match page.line.only_product() {
-        Some(product) => format!(" {}", page.line.parts[product].name),
-        None => String::new(),
-    };
     let show = |value: f64| match measure {
         Measure::LeadTime => duration_in_units(value),
         Measure::Throughput => format!("{} / h", figure(value)),
         Measure::Energy => format!("{} kWh", figure(value)),
         Measure::FirstPassYield => percent(value),
-        Measure::Products => format!("{}{product}", figure(value)),
         _ => figure(value),
     };
     let Some(Estimate {
@@ -94,10 +89,7 @@ fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &st
         Some(Intervals::Batches(batches)) => format!("{} batches", batches.count),
         _ => format!("{} runs", page.traces.len()),
     };
-    let half = match measure {
-        Measure::Products => figure(half),
-        _ => show(half),
-    };
+    let half = show(half);
     let mut text = format!("mean of {of}, ± {half} (95 %)");
     if !note.is_empty() {
         text = format!("{text}; {note}");
@@ -128,6 +120,15 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
     let most_units = page.traces.iter().map(|trace| trace.wip.max).max();
     let kwh = trace.joules / JOULES_PER_KWH;
     let per_product = mean_of_runs(page, |t| of_products(t, t.joules / t.products as f64));
+    let unpowered = unpowered(page).len();
+    let unpowered = if unpowered > 0 {
+        format!(
+            "; without {unpowered} of {} stations, which have no power",
+            trace.stations.len()
+        )
+    } else {
+        String::new()
+    };
     let violations: u64 = page.traces.iter().map(|trace| trace.violation_count).sum();
     html! {
         dl.tiles {
@@ -137,13 +138,14 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
             (measured(page, Measure::Wip, "Work in progress", trace.wip.mean, &format!("parts of all types; at most {}", count(most_units.unwrap_or(0)))))
             @if let Some((name, oee)) = busiest_oee(page) {
                 (tile(&format!("OEE of {name}"), &percent(oee.index()), &format!(
-                    "availability {} (busy share of its time on shift), effectiveness {}, quality {}",
+                    "{}availability {} (busy share of its time on shift), effectiveness {}, quality {}",
+                    if page.traces.len() > 1 { format!("mean of {} runs; ", page.traces.len()) } else { String::new() },
                     percent(oee.availability), percent(oee.effectiveness), percent(oee.quality)
                 )))
             }
             @if trace.joules > 0.0 {
                 (measured(page, Measure::Energy, "Energy", kwh, &per_product.map_or(String::new(), |joules| {
-                    format!("{} kWh a {product}", figure(joules / JOULES_PER_KWH))
+                    format!("{} kWh a {product}{unpowered}", figure(joules / JOULES_PER_KWH))
                 })))
             }
             @if let (true, Some(first_pass)) = (has_products, mean(|trace| trace.yields.first_pass_yield())) {
@@ -263,7 +265,7 @@ fn made_and_rejected(page: &Page<'_>) -> String {
         format!("{rejects} rejected")
     };
     match line.only_product() {
-        Some(_) => rejects,
+        Some(product) => format!("of type {}; {rejects}", line.parts[product].name),
         None => format!("{}; {rejects}", text(products.collect())),
     }
 }
