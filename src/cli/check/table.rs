@@ -194,7 +194,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         line_verdict(l).clone_into(&mut cells[4]);
         cells[6] = file(&l.file);
         rows.push(Row {
-            mark: l.verdict.into(),
+            mark: Mark::of_line(l),
             cells,
         });
     }
