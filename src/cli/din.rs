@@ -12,7 +12,7 @@ use crate::taxonomy::{self, Entry, Standard, Taxonomy, taxonomy};
 use clap::{Args, Subcommand};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 /// The arguments of `din`.
@@ -44,7 +44,7 @@ pub enum Command {
         /// Code with its standard, such as din:4.3; if omitted, both standards are printed
         code: Option<String>,
     },
-    /// List the codes that have contracts in the library
+    /// List the groups of both standards with their contracts, and what is missing
     #[command(after_help = "Example:\n    linewright din coverage")]
     Coverage {
         /// Files or folders [default: ./contracts, or else the bundled library]
@@ -256,6 +256,9 @@ struct StandardCoverage {
     codes: usize,
     /// The codes that have an implementation.
     covered: Vec<CoveredCode>,
+    /// The groups of DIN 8580, or the functions of VDI 2860 below its five sub-functions, each with
+    /// what implements it or a code below it: nothing if that is missing.
+    groups: Vec<CoveredCode>,
 }
 
 /// A code with its implementations.
@@ -271,6 +274,61 @@ struct CoveredCode {
     implemented_by: Vec<String>,
 }
 
+/// The number of entries from the top of a standard to a group of DIN 8580 or a function of VDI
+/// 2860.
+fn group_depth(standard: Standard) -> usize {
+    match standard {
+        Standard::Din8580 => 2,
+        Standard::Vdi2860 => 3,
+    }
+}
+
+/// A standard's groups with what implements them, then codes above the groups, then what is
+/// missing.
+fn coverage_text(standard: &StandardCoverage, taxonomy: &Taxonomy) -> String {
+    let is_done = |group: &&CoveredCode| !group.implemented_by.is_empty();
+    let what = match standard.groups.first() {
+        Some(group) if group.code.starts_with("din:") => "groups",
+        _ => "functions",
+    };
+    let mut text = format!(
+        "{}: {} of {} {what} have contracts\n",
+        standard.standard,
+        standard.groups.iter().filter(is_done).count(),
+        standard.groups.len()
+    );
+    let is_within = |code: &str| {
+        let path = taxonomy.find(code).map(|e| taxonomy.path(e));
+        path.is_some_and(|path| path.len() >= group_depth(path[0].standard))
+    };
+    let above = standard.covered.iter().filter(|c| !is_within(&c.code));
+    let rows: Vec<&CoveredCode> = above
+        .chain(standard.groups.iter().filter(is_done))
+        .collect();
+    let names: Vec<String> = rows
+        .iter()
+        .map(|row| format!("{} {}", row.code, row.english))
+        .collect();
+    let width = names.iter().map(|name| name.chars().count()).max();
+    for (name, row) in names.iter().zip(rows) {
+        let width = width.unwrap_or(0);
+        let by = row.implemented_by.join(", ");
+        let _ = writeln!(text, "  {name:<width$}  {by}");
+    }
+    let mut missing = standard
+        .groups
+        .iter()
+        .filter(|group| !is_done(group))
+        .peekable();
+    if missing.peek().is_some() {
+        let _ = writeln!(text, "  missing:");
+    }
+    for group in missing {
+        let _ = writeln!(text, "    {} {}", group.code, group.english);
+    }
+    text
+}
+
 fn coverage(paths: &[String], options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let loaded = files::load(paths, &StandardLibrary::new(options.library.clone()));
@@ -281,19 +339,29 @@ fn coverage(paths: &[String], options: &GlobalOptions) -> anyhow::Result<ExitCod
     }
     let covered = implementations(&loaded.library);
     let taxonomy = taxonomy();
+    let covered_code = |e: &Entry, implemented_by: Vec<String>| CoveredCode {
+        code: e.full_code(),
+        german: e.german.clone(),
+        english: e.english.clone(),
+        implemented_by,
+    };
     let standards = [Standard::Din8580, Standard::Vdi2860].map(|standard| {
         let entries = || taxonomy.entries().iter().filter(|e| e.standard == standard);
+        let groups = entries().filter(|e| taxonomy.path(e).len() == group_depth(standard));
         StandardCoverage {
             standard: standard.title(),
             codes: entries().count(),
             covered: entries()
-                .filter_map(|e| {
-                    Some(CoveredCode {
-                        code: e.full_code(),
-                        german: e.german.clone(),
-                        english: e.english.clone(),
-                        implemented_by: covered.get(&e.full_code())?.clone(),
-                    })
+                .filter_map(|e| Some(covered_code(e, covered.get(&e.full_code())?.clone())))
+                .collect(),
+            groups: groups
+                .map(|group| {
+                    let below = entries().filter(|e| taxonomy.path(e).contains(&group));
+                    let by = below.filter_map(|e| covered.get(&e.full_code())).flatten();
+                    let mut by: Vec<String> = by.cloned().collect();
+                    let mut seen = BTreeSet::new();
+                    by.retain(|name| seen.insert(name.clone()));
+                    covered_code(group, by)
                 })
                 .collect(),
         }
@@ -307,16 +375,7 @@ fn coverage(paths: &[String], options: &GlobalOptions) -> anyhow::Result<ExitCod
     }
     let mut text = String::new();
     for standard in &standards {
-        let (done, all) = (standard.covered.len(), standard.codes);
-        let _ = writeln!(
-            text,
-            "{}: {done} of {all} codes have contracts",
-            standard.standard
-        );
-        for c in &standard.covered {
-            let by = c.implemented_by.join(", ");
-            let _ = writeln!(text, "  {} {} ({}): {by}", c.code, c.german, c.english);
-        }
+        let _ = write!(text, "{}", coverage_text(standard, taxonomy));
     }
     console.result(&text)?;
     console.findings(sources, &loaded.findings)?;
