@@ -3,6 +3,7 @@
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::order::LevelName;
+use super::pictures;
 use super::results::{Results, file_name};
 use super::select::Selection;
 use super::synth::{counterstrategy, request};
@@ -23,9 +24,8 @@ use crate::source::Span;
 use clap::Args;
 use std::path::PathBuf;
 
-/// The arguments of `draw`.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
+/// The end of the help.
+const EXAMPLES: &str = "Examples:
     linewright draw contracts/handling/turn.lw > turn.svg
     linewright draw examples/transfer/cell.lw --out drawings
     linewright draw examples/ice-lab/line.lw::IceLab > line.svg
@@ -35,7 +35,11 @@ A contract is drawn as the states of its controller, an unrealizable one as thos
 counterstrategy, a machine as its components with their wires, a line as its places with their \
 routes, and a skill set as the automata of its components and rules. A drawing is at most 1,600 \
 units wide. What is too large for one is shown as an outline or a table, and a controller with too \
-many states to be listed is not drawn (LW204).")]
+many states to be listed is not drawn (LW204).";
+
+/// The arguments of `draw`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, after_long_help = pictures::below(EXAMPLES, pictures::DRAW))]
 pub struct Arguments {
     /// File, and optionally one of its contracts, machines, lines or skill sets [default: all of
     /// them]

@@ -22,6 +22,7 @@ pub mod order;
 pub mod outline;
 pub mod page;
 pub mod picked;
+pub mod pictures;
 pub mod profiles;
 pub mod proof;
 pub mod results;

@@ -10,6 +10,7 @@ use super::build::default_folder;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::page::PageFile;
+use super::pictures;
 use super::select::Selection;
 use super::time;
 use crate::contract::line::Line;
@@ -34,9 +35,8 @@ use std::path::PathBuf;
 use trace_files::{TraceFile, TraceFiles};
 use what_if::{Changes, DEFAULT_PAIRS};
 
-/// The arguments of `run`.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
+/// The end of the help.
+const EXAMPLES: &str = "Examples:
     linewright run examples/ice-lab/line.lw --parts 50
     linewright run examples/ice-lab/line.lw --until 8h --seed 7 --replications 10
     linewright run examples/ice-lab/line.lw --parts 400 --warm-up 1h --batches 20
@@ -45,7 +45,11 @@ use what_if::{Changes, DEFAULT_PAIRS};
     linewright run examples/bottling/line.lw --until 1d --report bottling.html
     linewright run examples/ice-lab/line.lw --until 8h --trace run.parquet --trace run.perfetto.json
 
-TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).")]
+TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).";
+
+/// The arguments of `run`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, after_long_help = pictures::below(EXAMPLES, pictures::RUN))]
 pub struct Arguments {
     /// File with a line, and the name of the line if there are several
     #[arg(value_name = "LINE")]

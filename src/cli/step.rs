@@ -5,6 +5,7 @@ use super::exit::ExitCode;
 use super::interrupt;
 use super::options::{Format, GlobalOptions};
 use super::page::{self, PageFile};
+use super::pictures;
 use super::select::Selection;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, codes};
@@ -26,9 +27,8 @@ use std::path::{Path, PathBuf};
 /// Maximum nesting depth of scripts that replay each other.
 const MAX_NESTED: usize = 8;
 
-/// The arguments of `step`.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
+/// The end of the help.
+const EXAMPLES: &str = "Examples:
     linewright step contracts/handling/turn.lw --script examples/step/turn.txt
     linewright step contracts/handling/turn.lw --script examples/step/turn.txt --html turn.html
 
@@ -37,7 +37,11 @@ contract is realizable, you play the plant against its verified controller. Othe
 the machine, and the plant plays the counterstrategy.
 
 In a script or a pipe, a wrong command is reported on standard error, the next one is run, and \
-the exit code is 1.")]
+the exit code is 1.";
+
+/// The arguments of `step`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, after_long_help = pictures::below(EXAMPLES, pictures::STEP))]
 pub struct Arguments {
     /// File, and the name of a contract if there are several
     #[arg(value_name = "FILE[::NAME]")]

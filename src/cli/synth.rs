@@ -4,6 +4,7 @@
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::page::{self, PageFile};
+use super::pictures;
 use super::results::{Results, file_name};
 use super::select::Selection;
 use crate::contract::Contract;
@@ -23,9 +24,8 @@ use crate::station::structured_text;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// The arguments of `synth`.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
+/// The end of the help.
+const EXAMPLES: &str = "Examples:
     linewright synth contracts/handling/turn.lw
     linewright synth contracts/handling/turn.lw::Turn --emit dot --emit svg --out controllers
     linewright synth examples/other-tools/arbiter.spc
@@ -36,7 +36,11 @@ use std::path::PathBuf;
 A controller is verified against its contract before it is written. A controller with too many \
 states is written as a symbolic controller (Boolean functions); its forms are json, c, st and \
 plcopen. `--emit spc`, `slugsin`, `spectra` and `tlsf` write the specification for other tools \
-and need no controller.")]
+and need no controller.";
+
+/// The arguments of `synth`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, after_long_help = pictures::below(EXAMPLES, pictures::SYNTH))]
 pub struct Arguments {
     /// File, and optionally one of its contracts [default: all of them]. The file can also be a
     /// specification for gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or

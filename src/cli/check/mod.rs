@@ -16,6 +16,7 @@ use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::page::{self, PageFile};
+use super::pictures;
 use super::proof;
 use super::schema::{Described, form};
 use crate::contract::machine::Machine;
@@ -43,9 +44,8 @@ pub const DOCUMENT: Described = Described::new(
     &[form::<Document>, form::<Failed>],
 );
 
-/// The arguments of `check`.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
+/// The end of the help.
+const EXAMPLES: &str = "Examples:
     linewright check contracts/
     linewright check --format short contracts/handling/turn.lw
     linewright check --stats --proof turn.proof.json contracts/handling/turn.lw
@@ -63,7 +63,11 @@ Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and
 recognized by their extension; check reports the verdict, the reason if it is unrealizable, and \
 suspicious formulas.
 
-If an explanation takes more than a second, standard error says what is known so far.")]
+If an explanation takes more than a second, standard error says what is known so far.";
+
+/// The arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, after_long_help = pictures::below(EXAMPLES, pictures::CHECK))]
 pub struct Arguments {
     /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders with .lw files
     /// [default: ./contracts, or else the bundled library]
