@@ -7,6 +7,7 @@ mod discharge;
 #[path = "../solver/game.rs"]
 mod game;
 mod layers;
+mod library;
 mod oracle;
 #[expect(dead_code, reason = "only its random numbers are used here")]
 #[path = "../solver/random.rs"]

@@ -1,0 +1,396 @@
+//! The bundled library: scripts, sentences and rules of each contract.
+//!
+//! Each contract has a script beside it, which tells a good cycle and a disturbance. Its comment
+//! says what the machine never does, with a formula that every controller keeps. Each of its rules
+//! matters: without a guarantee some controller may do more, and without an assumption no
+//! controller exists.
+
+use crate::support::{linewright, root};
+use linewright::algebra::join::{Member, Sharing, join};
+use linewright::algebra::refine::refine;
+use linewright::contract;
+use linewright::game::{Limits, Outcome, solve};
+use linewright::gr1::Specification;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A contract of the library, cut into statements.
+struct Entry {
+    /// Below `contracts`: `joining/press_fit.lw`.
+    path: PathBuf,
+    /// The imports, the comment and the first lines of the contract.
+    head: String,
+    /// The statements, in order.
+    statements: Vec<String>,
+    /// The comment as one line.
+    comment: String,
+}
+
+impl Entry {
+    fn read(path: PathBuf, text: &str) -> Option<Self> {
+        const WORDS: [&str; 9] = [
+            "input",
+            "output",
+            "internal",
+            "define",
+            "assume",
+            "guarantee",
+            "counter",
+            "type",
+            "const",
+        ];
+        let lines: Vec<&str> = text.lines().collect();
+        let is_contract =
+            |line: &&str| line.starts_with("contract ") || line.starts_with("moore contract ");
+        let first = lines.iter().position(is_contract)?;
+        let open = first + lines[first..].iter().position(|line| line.ends_with('{'))?;
+        let comment = lines[..first].iter().filter_map(|l| l.strip_prefix("///"));
+        let comment: Vec<&str> = comment.map(str::trim).collect();
+        let mut statements: Vec<String> = Vec::new();
+        for line in lines[open + 1..].iter().take_while(|line| **line != "}") {
+            let word = line.strip_prefix("    ").unwrap_or("").split(' ').next();
+            if word.is_some_and(|word| WORDS.contains(&word)) {
+                statements.push((*line).to_owned());
+            } else if let (false, Some(last)) = (line.is_empty(), statements.last_mut()) {
+                last.push('\n');
+                last.push_str(line);
+            }
+        }
+        Some(Self {
+            path,
+            head: lines[..=open].join("\n"),
+            statements,
+            comment: comment.join(" "),
+        })
+    }
+
+    /// The text with these statements.
+    fn with<'a>(&self, statements: impl IntoIterator<Item = &'a str>) -> String {
+        let statements: Vec<&str> = statements.into_iter().collect();
+        format!("{}\n{}\n}}\n", self.head, statements.join("\n"))
+    }
+
+    fn statements(&self) -> impl Iterator<Item = &str> {
+        self.statements.iter().map(String::as_str)
+    }
+
+    /// The text without one statement.
+    fn without(&self, index: usize) -> String {
+        self.with(
+            self.statements()
+                .enumerate()
+                .filter_map(|(i, statement)| (i != index).then_some(statement)),
+        )
+    }
+
+    /// The text with another statement in this place.
+    fn replaced(&self, index: usize, by: &str) -> String {
+        let statements = self.statements().enumerate();
+        self.with(statements.map(|(i, statement)| if i == index { by } else { statement }))
+    }
+
+    /// The places and names of the statements of a kind, `assume` or `guarantee`.
+    fn named<'a>(&'a self, word: &'a str) -> impl Iterator<Item = (usize, &'a str)> {
+        let statements = self.statements().enumerate();
+        statements.filter_map(move |(index, statement)| {
+            let rest = statement.trim_start().strip_prefix(word)?;
+            let (name, _) = rest.split_once(':')?;
+            Some((index, name.trim()))
+        })
+    }
+
+    /// The sentences "Never ...: `FORMULA`." of the comment, with their formulas.
+    fn sentences(&self) -> Vec<(&str, &str)> {
+        let mut found = Vec::new();
+        let mut rest = self.comment.as_str();
+        while let Some(start) = rest.find("Never ") {
+            rest = &rest[start..];
+            let Some((sentence, after)) = rest.split_once('`') else {
+                break;
+            };
+            let (formula, after) = after.split_once('`').expect("a formula ends");
+            if let Some(sentence) = sentence.trim_end().strip_suffix(':') {
+                found.push((sentence, formula));
+            }
+            rest = after;
+        }
+        found
+    }
+
+    /// The text of a contract that guarantees nothing but the formula of a sentence.
+    fn claim(&self, formula: &str) -> String {
+        let claim = format!("    guarantee claim: {formula}");
+        let others = self.statements();
+        let others = others.filter(|statement| !statement.starts_with("    guarantee"));
+        self.with(others.chain([claim.as_str()]))
+    }
+
+    /// The path of the script.
+    fn script(&self) -> PathBuf {
+        library().join(self.path.with_extension("step"))
+    }
+}
+
+fn library() -> PathBuf {
+    root().join("contracts")
+}
+
+/// All contracts, in order of their paths.
+fn entries() -> Vec<Entry> {
+    fn visit(folder: &Path, found: &mut Vec<Entry>) {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        for path in entries.map(|entry| entry.expect("an entry").path()) {
+            if path.is_dir() {
+                visit(&path, found);
+            } else if path.extension().is_some_and(|end| end == "lw") {
+                let text = std::fs::read_to_string(&path).expect("text");
+                let below = path.strip_prefix(library()).expect("a file of the library");
+                found.extend(Entry::read(below.to_owned(), &text));
+            }
+        }
+    }
+    let mut found = Vec::new();
+    visit(&library(), &mut found);
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    assert!(found.len() >= 80, "only {} contracts", found.len());
+    found
+}
+
+/// The contract with this text in the place of an entry; `None` if it has errors.
+fn specification(entry: &Entry, text: &str) -> Option<Arc<Specification>> {
+    let file = library().join(&entry.path);
+    let files = [(file.display().to_string(), text.to_owned())];
+    let (library, _) = contract::load(&files, &|to, from| {
+        let folder = Path::new(from).parent().unwrap_or(Path::new(""));
+        let path = folder.join(to);
+        let text = std::fs::read_to_string(&path).map_err(|e| e.to_string())?;
+        Ok((path.display().to_string(), text))
+    });
+    let contract = library.contracts.into_iter().next_back()?;
+    Some(contract.specification)
+}
+
+/// Whether every controller of `new` is one of `old`.
+fn refines(new: &Specification, old: &Specification) -> bool {
+    let member = |specification, name: &str| Member {
+        specification,
+        name: name.to_owned(),
+        renamings: Vec::new(),
+    };
+    let members = [member(old, "old"), member(new, "new")];
+    let system = join(&members, Sharing::SeveralViews).expect("the same ports");
+    let refinement = refine(&system, 1, 0, &Limits::default()).expect("no limit");
+    refinement.holds()
+}
+
+fn is_realizable(specification: &Specification) -> bool {
+    matches!(
+        solve(specification, &Limits::default()),
+        Outcome::Realizable(_)
+    )
+}
+
+/// Whether the formulas of all sentences follow from the guarantees of this text.
+fn keeps_sentences(entry: &Entry, text: &str) -> bool {
+    let new = specification(entry, text).expect("a contract");
+    let mut sentences = entry.sentences().into_iter();
+    sentences.all(|(_, formula)| {
+        let old = specification(entry, &entry.claim(formula));
+        refines(&new, &old.expect("a formula"))
+    })
+}
+
+#[test]
+fn a_script_tells_a_good_cycle_and_a_disturbance() {
+    for entry in entries() {
+        let path = entry.path.display();
+        let script = std::fs::read_to_string(entry.script());
+        let script = script.unwrap_or_else(|e| panic!("the script of {path}: {e}"));
+        let expects = script.lines().filter(|line| line.starts_with("expect "));
+        assert!(expects.count() >= 6, "{path} expects little");
+        assert!(
+            script.lines().any(|line| line == "reset"),
+            "{path} has no disturbance"
+        );
+        let file = library().join(&entry.path).display().to_string();
+        let script = entry.script().display().to_string();
+        let output = linewright(root(), &["step", &file, "--script", &script]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{path}: {errors}");
+    }
+}
+
+#[test]
+fn what_a_machine_never_does_no_controller_does() {
+    for entry in entries() {
+        let path = entry.path.display();
+        let sentences = entry.sentences();
+        assert!(
+            (2..=4).contains(&sentences.len()),
+            "{path} has {} sentences that begin with `Never`",
+            sentences.len()
+        );
+        let whole = specification(&entry, &entry.with(entry.statements())).expect("a contract");
+        for (sentence, formula) in sentences {
+            let claim = specification(&entry, &entry.claim(formula));
+            let claim = claim.unwrap_or_else(|| panic!("{path}: `{formula}` is no formula"));
+            assert!(refines(&whole, &claim), "{path}: {sentence}: {formula}");
+        }
+    }
+}
+
+/// Whether the comment says why a rule is kept that could be left out.
+fn is_kept(entry: &Entry, name: &str) -> bool {
+    let named = format!("`{name}`");
+    entry.comment.split(['.', ':', ';']).any(|sentence| {
+        sentence.contains(&named)
+            && (sentence.contains(" is kept ") || sentence.contains(" are kept "))
+    })
+}
+
+#[test]
+fn every_guarantee_matters() {
+    // What coordinators rest on, in the contracts of the published case study.
+    const MOST_KEPT: usize = 12;
+    let (mut idle, mut kept) = (Vec::new(), 0);
+    for entry in entries() {
+        let whole = specification(&entry, &entry.with(entry.statements())).expect("a contract");
+        for (index, name) in entry.named("guarantee") {
+            let rest = specification(&entry, &entry.without(index)).expect("a contract");
+            if !refines(&rest, &whole) {
+                continue;
+            }
+            if is_kept(&entry, name) {
+                kept += 1;
+            } else {
+                idle.push(format!("{}: {name}", entry.path.display()));
+            }
+        }
+    }
+    assert!(idle.is_empty(), "the others imply:\n{}", idle.join("\n"));
+    assert!(kept <= MOST_KEPT, "{kept} guarantees follow from others");
+}
+
+#[test]
+fn every_assumption_matters_or_the_comment_says_why_it_is_kept() {
+    let mut idle = Vec::new();
+    for entry in entries() {
+        for (index, name) in entry.named("assume") {
+            let rest = specification(&entry, &entry.without(index)).expect("a contract");
+            if !is_kept(&entry, name) && is_realizable(&rest) {
+                idle.push(format!("{}: {name}", entry.path.display()));
+            }
+        }
+    }
+    assert!(idle.is_empty(), "not needed:\n{}", idle.join("\n"));
+}
+
+/// A contract with one guarantee left out, with a condition negated, or with less required.
+struct Mutant {
+    name: String,
+    text: String,
+}
+
+fn mutants(entry: &Entry) -> Vec<Mutant> {
+    let mut found = Vec::new();
+    for (index, name) in entry.named("guarantee") {
+        let statement = &entry.statements[index];
+        found.push(Mutant {
+            name: format!("without {name}"),
+            text: entry.without(index),
+        });
+        let Some((before, inside)) = statement.split_once("always (") else {
+            continue;
+        };
+        for arrow in [" -> ", " <-> "] {
+            let Some((condition, rest)) = inside.split_once(arrow) else {
+                continue;
+            };
+            if is_balanced(condition) && !condition.contains("->") {
+                let text = format!("{before}always (not ({condition}){arrow}{rest}");
+                found.push(Mutant {
+                    name: format!("condition of {name} negated"),
+                    text: entry.replaced(index, &text),
+                });
+            }
+        }
+        if let Some((most, last)) = statement.rsplit_once(" and ")
+            && most.contains(" -> ")
+            && !last[..last.len() - 1].contains(['(', ')'])
+        {
+            found.push(Mutant {
+                name: format!("{name} without its last part"),
+                text: entry.replaced(index, &format!("{most})")),
+            });
+        }
+    }
+    found
+}
+
+fn is_balanced(text: &str) -> bool {
+    let depth = text.chars().try_fold(0_i32, |depth, c| match c {
+        '(' => Some(depth + 1),
+        ')' => Some(depth - 1).filter(|depth| *depth >= 0),
+        _ => Some(depth),
+    });
+    depth == Some(0)
+}
+
+/// Whether no controller exists, a sentence no longer follows, or the script fails.
+fn is_caught(entry: &Entry, specification: &Specification, text: &str) -> bool {
+    if !is_realizable(specification) || !keeps_sentences(entry, text) {
+        return true;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join(&entry.path);
+    std::fs::create_dir_all(file.parent().expect("a folder")).expect("a folder");
+    std::fs::create_dir_all(folder.path().join("common")).expect("a folder");
+    for shared in std::fs::read_dir(library().join("common")).expect("a folder") {
+        let shared = shared.expect("an entry");
+        let to = folder.path().join("common").join(shared.file_name());
+        std::fs::copy(shared.path(), to).expect("a copy");
+    }
+    std::fs::write(&file, text).expect("a file");
+    let script = entry.script().display().to_string();
+    let file = file.display().to_string();
+    let output = linewright(folder.path(), &["step", &file, "--script", &script]);
+    !output.status.success()
+}
+
+/// Every tenth mutant; all of them with `LINEWRIGHT_MUTANTS=all`.
+#[test]
+fn mutants_are_caught() {
+    let step = match std::env::var("LINEWRIGHT_MUTANTS") {
+        Ok(which) if which == "all" => 1,
+        _ => 10,
+    };
+    let (mut number, mut tried, mut survivors) = (0, 0, Vec::new());
+    for entry in entries() {
+        for mutant in mutants(&entry) {
+            number += 1;
+            if number % step != 0 {
+                continue;
+            }
+            // A mutant that is no contract shows nothing.
+            let Some(specification) = specification(&entry, &mutant.text) else {
+                continue;
+            };
+            tried += 1;
+            if !is_caught(&entry, &specification, &mutant.text) {
+                survivors.push(format!("{}: {}", entry.path.display(), mutant.name));
+            }
+        }
+    }
+    println!(
+        "{} of {tried} mutants are caught; the others:\n{}",
+        tried - survivors.len(),
+        survivors.join("\n")
+    );
+    assert!(tried >= 60);
+    assert!(
+        survivors.len() * 20 <= tried,
+        "{} of {tried} survive:\n{}",
+        survivors.len(),
+        survivors.join("\n")
+    );
+}
