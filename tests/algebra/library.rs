@@ -3,7 +3,8 @@
 //! Each contract has a script beside it, which tells a good cycle and a disturbance. Its comment
 //! says what the machine never does, with a formula that every controller keeps. Each of its rules
 //! matters: without a guarantee some controller may do more, and without an assumption no
-//! controller exists.
+//! controller exists. A contract promises less than in the last version only if the library has a
+//! new major version.
 
 use crate::support::{linewright, root};
 use linewright::algebra::join::{Member, Sharing, join};
@@ -11,6 +12,7 @@ use linewright::algebra::refine::refine;
 use linewright::contract;
 use linewright::game::{Limits, Outcome, solve};
 use linewright::gr1::Specification;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -392,5 +394,73 @@ fn mutants_are_caught() {
         "{} of {tried} survive:\n{}",
         survivors.len(),
         survivors.join("\n")
+    );
+}
+
+/// The last version of the library: its number in the first line, then each file below its path.
+fn last_version() -> PathBuf {
+    root().join("tests/fixtures/library.txt")
+}
+
+/// What stands before the path of a file in that text.
+const FILE: &str = "=== ";
+
+/// The version of the library, which its page states.
+fn version() -> String {
+    let page = std::fs::read_to_string(library().join("README.md")).expect("a page");
+    let line = page.lines().find_map(|line| line.strip_prefix("Version "));
+    let version = line.expect("the page states the version");
+    version.trim_end_matches('.').to_owned()
+}
+
+fn major(version: &str) -> &str {
+    version.split('.').next().unwrap_or(version)
+}
+
+/// All files of the library that are text of the language, as one text.
+fn as_text() -> String {
+    let mut text = format!("{}\n", version());
+    let mut files: Vec<PathBuf> = entries().into_iter().map(|entry| entry.path).collect();
+    let shared = std::fs::read_dir(library().join("common")).expect("a folder");
+    files.extend(shared.map(|entry| Path::new("common").join(entry.expect("a file").file_name())));
+    files.sort();
+    for file in files {
+        text.push_str(FILE);
+        text.push_str(&file.to_string_lossy());
+        text.push('\n');
+        text.push_str(&std::fs::read_to_string(library().join(file)).expect("text"));
+    }
+    text
+}
+
+/// With `LINEWRIGHT_NEW_VERSION=1`, keeps the library as its last version instead.
+#[test]
+fn a_contract_promises_less_only_in_a_new_major_version() {
+    if std::env::var_os("LINEWRIGHT_NEW_VERSION").is_some() {
+        std::fs::write(last_version(), as_text()).expect("a file");
+        return;
+    }
+    let text = std::fs::read_to_string(last_version()).expect("the last version");
+    let (last, files) = text.split_once('\n').expect("a version");
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut file: Option<std::fs::File> = None;
+    for line in files.lines() {
+        if let Some(path) = line.strip_prefix(FILE) {
+            let path = folder.path().join(path);
+            std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            file = Some(std::fs::File::create(path).expect("a file"));
+        } else {
+            let file = file.as_mut().expect("a path comes first");
+            writeln!(file, "{line}").expect("a line");
+        }
+    }
+    let old = folder.path().display().to_string();
+    let new = library().display().to_string();
+    let output = linewright(root(), &["refine", &old, &new, "--format", "short"]);
+    let shown = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.success() || major(last) != major(&version()),
+        "the library is still version {}, but a contract promises less than in {last}:\n{shown}",
+        version()
     );
 }
