@@ -116,10 +116,11 @@ fn product_word(line: &Line) -> &str {
 
 /// What limits the line: in one run with the evidence, otherwise in how many runs it is what.
 fn limits(page: &Page<'_>) -> Option<String> {
+    if page.traces.iter().all(|trace| trace.products == 0) {
+        return None;
+    }
     if let [trace] = page.traces {
-        return (trace.products > 0)
-            .then(|| limit_with_evidence(&trace.bottleneck))
-            .flatten();
+        return limit_with_evidence(&trace.bottleneck);
     }
     let limits = page
         .traces

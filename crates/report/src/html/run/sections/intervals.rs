@@ -2,7 +2,7 @@
 
 use super::super::charts::{Range, signed};
 use super::super::{Compared, Page, charts};
-use super::operation::shares;
+use super::operation::{OF_SHARES, shares};
 use super::{first, legend};
 use crate::html::numbers::{figure, rounded};
 use crate::html::parts::{behind, section, table};
@@ -197,6 +197,7 @@ pub(super) fn comparison(page: &Page<'_>) -> Markup {
         (charts::ranges("Differences", &ranges))
         (table(&["Measure", "Line", "Mean", "Difference from the line as it is", "More than noise"], &rows))
         h3 { "Where the time goes, as it is" (of_first_run) }
+        p { (OF_SHARES) }
         (shares(&first(page).stations))
         (legend())
         @for compared in variants { @if let Some(other) = compared.traces.first() {

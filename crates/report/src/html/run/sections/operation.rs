@@ -87,6 +87,10 @@ fn of_states(station: &StationStatistics) -> [f64; 6] {
     ]
 }
 
+/// What the bars of [`shares`] are.
+pub(super) const OF_SHARES: &str =
+    "Shares of all counted time, off shift included; at the end of each bar is its busy share.";
+
 pub(super) fn shares(stations: &[StationStatistics]) -> Markup {
     let bars: Vec<Bar> = stations
         .iter()
@@ -188,7 +192,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         })
         .collect();
     let inside = html! {
-        p { "Shares of all counted time, off shift included; at the end of each bar is its busy share." }
+        p { (OF_SHARES) }
         (shares(stations))
         (legend())
         details {
