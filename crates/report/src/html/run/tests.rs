@@ -284,6 +284,15 @@ fn variants_are_side_by_side() {
             "<th scope=\"row\">mean lead time</th>",
         ],
     );
+    // A mean has as many decimal places as its difference from the line as it is.
+    let (_, row) = text.split_once(&of_measure("fast")).unwrap();
+    let words = row.split(|c: char| !c.is_ascii_digit() && c != '.');
+    let decimals = words.filter_map(|word| Some(word.split_once('.')?.1.len()));
+    let decimals: Vec<usize> = decimals.take(4).collect();
+    assert!(
+        decimals[0] >= 1 && decimals.iter().all(|of| *of == decimals[0]),
+        "{decimals:?}"
+    );
 }
 
 #[test]

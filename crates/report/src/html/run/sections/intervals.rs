@@ -61,10 +61,14 @@ fn name_of(measure: Measure) -> &'static str {
 }
 
 /// A value of a measure, or a difference of two, with the digits that fit the half-width of an
-/// interval: times with their units.
-fn value_of(measure: Measure, value: f64, half_width: f64) -> String {
+/// interval, which is 0 if there is none: times with their units, from a minute on in whole
+/// seconds.
+pub(super) fn value_of(measure: Measure, value: f64, half_width: f64) -> String {
     if !measure.info().label.ends_with(SECONDS) {
         return rounded(value, half_width);
+    }
+    if half_width > 0.0 && value.abs() < 59.5 {
+        return format!("{} s", rounded(value, half_width));
     }
     let sign = if value < 0.0 { "-" } else { "" };
     format!("{sign}{}", duration_in_units(value.abs()))

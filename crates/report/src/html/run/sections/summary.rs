@@ -2,7 +2,7 @@
 
 use super::super::Page;
 use super::conclusion::{conclusion, limit, most_frequent};
-use super::intervals::{estimate, heading_of, interval, mean_of_runs};
+use super::intervals::{estimate, heading_of, interval, mean_of_runs, value_of};
 use super::{first, has_contracts, has_shifts, made, unpowered};
 use crate::Intervals;
 use crate::html::numbers::{count, exact, figure, percent, rounded};
@@ -84,14 +84,13 @@ fn ending(end: End) -> &'static str {
 /// with a note.
 fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &str) -> Markup {
     let show = |value: f64, half: f64| match measure {
-        Measure::LeadTime => duration_in_units(value),
         Measure::Throughput => format!("{} / h", rounded(value, half)),
         Measure::Energy => format!("{} kWh", rounded(value, half)),
         Measure::FirstPassYield if half > 0.0 => {
             format!("{} %", rounded(value * 100.0, half * 100.0))
         }
         Measure::FirstPassYield => percent(value),
-        _ => rounded(value, half),
+        _ => value_of(measure, value, half),
     };
     let Some(Estimate {
         mean,
