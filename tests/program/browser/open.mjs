@@ -93,7 +93,7 @@ async function use(page, problem) {
   await page.$eval("#line .node", (node) => node.focus());
   const first = await text("status");
   await page.keyboard.press("Tab");
-  expect(/ (is|holds|has taken) /.test(first) && (await text("status")) !== first, "the focus on a place does not say what it does");
+  expect(/ (is|holds|has taken|has delivered) /.test(first) && (await text("status")) !== first, "the focus on a place does not say what it does");
 
   if (await page.$("#gantt")) {
     const all = await text("window");

@@ -16,19 +16,33 @@ pub fn figure(value: f64) -> String {
     } else {
         (2 - magnitude).clamp(0, 6) as usize
     };
+    let text = fixed(value, places);
+    if places == 0 {
+        return text;
+    }
+    let text = text.trim_end_matches('0');
+    text.strip_suffix('.').unwrap_or(text).to_owned()
+}
+
+/// A number with the decimal places that give the half-width of its interval two significant
+/// digits.
+pub(super) fn rounded(value: f64, half_width: f64) -> String {
+    if !(value.is_finite() && half_width.is_finite() && half_width > 0.0) {
+        return figure(value);
+    }
+    let magnitude = half_width.log10().floor() as i32;
+    fixed(value, (1 - magnitude).clamp(0, 6) as usize)
+}
+
+/// A number with this many decimal places, and groups of three digits before the point.
+fn fixed(value: f64, places: usize) -> String {
     let text = format!("{:.places$}", value.abs());
-    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
-    let mut out = String::new();
-    if value < 0.0 && text.bytes().any(|digit| (b'1'..=b'9').contains(&digit)) {
-        out.push('-');
+    let is_negative = value < 0.0 && text.bytes().any(|digit| (b'1'..=b'9').contains(&digit));
+    let sign = if is_negative { "-" } else { "" };
+    match text.split_once('.') {
+        Some((whole, fraction)) => format!("{sign}{}.{fraction}", grouped(whole)),
+        None => format!("{sign}{}", grouped(&text)),
     }
-    out += &grouped(whole);
-    let fraction = fraction.trim_end_matches('0');
-    if !fraction.is_empty() {
-        out.push('.');
-        out += fraction;
-    }
-    out
 }
 
 /// A number with all of its digits, in groups of three before the point.
@@ -168,6 +182,16 @@ mod tests {
             (f64::NAN, "-"),
         ] {
             assert_eq!(figure(value), wanted);
+        }
+        for (value, half_width, wanted) in [
+            (11.7547, 0.0766, "11.755"),
+            (11.7, 0.25, "11.70"),
+            (-0.0004, 0.05, "0.000"),
+            (1808.64, 8.2, "1,808.6"),
+            (1808.64, 35.0, "1,809"),
+            (17.294_117, 0.0, "17.3"),
+        ] {
+            assert_eq!(rounded(value, half_width), wanted);
         }
         assert_eq!(exact(1_632_096.5), "1,632,096.5");
         assert_eq!(exact(-1000.0), "-1,000");

@@ -4,7 +4,7 @@
 
 use super::moments::Moments;
 use super::series::{Columns, Curve};
-use crate::html::numbers::{count, figure, marks};
+use crate::html::numbers::{count, figure, marks, rounded};
 use linewright_line::trace::duration_in_units;
 use maud::{Markup, PreEscaped, html};
 use std::fmt::Write as _;
@@ -166,8 +166,8 @@ impl Frame {
     }
 }
 
-/// A number of parts over time: the mean of each bin as a line, and its maximum as an area. Time
-/// before the end of the warm-up is marked, and so is the `capacity`.
+/// A number of parts over time: the mean of each bin as a line over a dark area, and its maximum as
+/// a light area. Time before the end of the warm-up is marked, and so is the `capacity`.
 pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option<u32>) -> Markup {
     let highest = curve.maxima.iter().copied().max().unwrap_or(0) as f64;
     let frame = axis.frame(highest.max(capacity.map_or(1.0, f64::from)));
@@ -176,7 +176,9 @@ pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option
     let mean = stairs(&frame, &curve.means, curve.width, curve.end);
     let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(curve.end));
     let inside = html! {
-        path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
+        @for line in [area, mean.clone()] {
+            path.area d=(format!("M{left:.1} {bottom:.1}{line}L{right:.1} {bottom:.1}Z")) {}
+        }
         path.line d=(format!("M{}", &mean[1..])) {}
         @if let Some(capacity) = capacity {
             line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
@@ -214,17 +216,27 @@ fn stairs(frame: &Frame, values: &[f64], width: f64, end: f64) -> String {
     data
 }
 
-/// How often times fall into classes. `lines` are marked with their names.
-pub(super) fn histogram(label: &str, columns: &Columns, lines: &[(&str, f64)]) -> Markup {
+/// How often times fall into classes. `upwards` says what is counted; `lines` are marked with their
+/// names.
+pub(super) fn histogram(
+    label: &str,
+    columns: &Columns,
+    upwards: &str,
+    lines: &[(&str, f64)],
+) -> Markup {
     let Columns { width, counts, .. } = columns;
+    let highest = counts.iter().copied().max().unwrap_or(0) as f64;
+    let step = marks(highest, 4).get(1).copied().unwrap_or(1.0);
     let frame = Frame {
         left: LEFT,
         height: 190.0,
         seconds: width * counts.len() as f64,
-        max: counts.iter().copied().max().unwrap_or(0) as f64,
+        max: (highest / step).ceil() * step,
         moments: Moments::Elapsed,
     };
+    let middle = frame.y(frame.max / 2.0);
     let inside = html! {
+        text x="12" y=(number(middle)) transform=(format!("rotate(-90 12 {middle:.1})")) text-anchor="middle" { (upwards) }
         @for (class, number_of) in counts.iter().enumerate() {
             @let start = class as f64 * width;
             @let (x, y) = (frame.x(start), frame.y(*number_of as f64));
@@ -265,7 +277,7 @@ pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
         svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
             @for mark in scale.marks() {
                 line.grid x1=(number(scale.x(mark))) x2=(number(scale.x(mark))) y1="2" y2=(bottom) {}
-                text x=(number(scale.x(mark))) y=(bottom + 16.0) text-anchor="middle" { (signed(mark)) }
+                text x=(number(scale.x(mark))) y=(bottom + 16.0) text-anchor="middle" { (signed(mark, 0.0)) }
             }
             line.capacity x1=(number(scale.x(0.0))) x2=(number(scale.x(0.0))) y1="2" y2=(bottom) {}
             @for (row, range) in ranges.iter().enumerate() {
@@ -282,10 +294,11 @@ pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
     }
 }
 
-/// A share as a percentage with its sign.
-pub(super) fn signed(share: f64) -> String {
-    let percent = figure(share * 100.0);
-    if share > 0.0 && percent != "0" {
+/// A share as a percentage with its sign, with the digits that fit the half-width of its interval,
+/// which is 0 if there is none.
+pub(super) fn signed(share: f64, half_width: f64) -> String {
+    let percent = rounded(share * 100.0, half_width * 100.0);
+    if share > 0.0 && percent.bytes().any(|digit| (b'1'..=b'9').contains(&digit)) {
         format!("+{percent} %")
     } else {
         format!("{percent} %")

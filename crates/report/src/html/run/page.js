@@ -62,7 +62,8 @@
     let ticks = 0;
     for (let i = 0; i < count; i++) {
       ticks += next();
-      moves.times[i] = ticks * data.tick;
+      // Rounding does not move the last ones beyond the end.
+      moves.times[i] = Math.min(ticks * data.tick, data.end);
       moves.parts[i] = next();
       const target = next();
       moves.targets[i] = Math.floor(target / 2);
@@ -150,15 +151,16 @@
   let time = 0;
   // Parts in the line: by number, where they are, since when, and from where they came.
   let there = new Map();
-  // By place: number of parts that have left the line there.
-  let gone = [];
+  // By place: number of parts that have left the line there, of those that have come from another
+  // place, and of those that have gone on to one.
+  let gone = [], taken = [], given = [];
   let applied = 0;
   const snapshots = [];
   const EVERY = 2000;
 
   function reset() {
     there = new Map();
-    gone = data.nodes.map(() => 0);
+    [gone, taken, given] = [0, 0, 0].map((none) => data.nodes.map(() => none));
     applied = 0;
   }
 
@@ -170,6 +172,7 @@
       there.delete(part);
     } else if (target < ENDS + data.nodes.length) {
       const node = target - ENDS;
+      if (known) { given[known.node]++; taken[node]++; }
       const kind = moves.kinds[index] >= 0 ? moves.kinds[index] : known ? known.kind : 0;
       there.set(part, { node, kind, since: now, from: moves.kinds[index] >= 0 ? -1 : known ? known.node : -1, place: 0 });
     } else if (known) {
@@ -183,12 +186,12 @@
     if (index < applied) {
       const snapshot = snapshots[Math.min(Math.floor(index / EVERY), snapshots.length - 1)];
       there = new Map(snapshot.there);
-      gone = [...snapshot.gone];
+      [gone, taken, given] = snapshot.numbers.map((numbers) => [...numbers]);
       applied = snapshot.applied;
     }
     while (applied < index) {
       if (applied % EVERY === 0 && applied / EVERY === snapshots.length) {
-        snapshots.push({ there: new Map(there), gone: [...gone], applied });
+        snapshots.push({ there: new Map(there), numbers: [[...gone], [...taken], [...given]], applied });
       }
       apply(applied++);
     }
@@ -282,10 +285,13 @@
       const with_ = parts.length ? `, with ${parts.slice(0, 3).map(named).join(", ")}` : "";
       return `${place.name} is ${word(node, name)} since ${clock(since)}${with_}.${refusedText}`;
     }
-    if (place.kind.startsWith("sink")) return `${place.name} has taken ${gone[node].toLocaleString("en")} parts.`;
+    const counted = (number) => `${number.toLocaleString("en")} ${number === 1 ? "part" : "parts"}`;
+    if (place.kind.startsWith("sink")) return `${place.name} has taken ${counted(gone[node])} so far.`;
+    if (place.kind === "source") return `${place.name} has delivered ${counted(given[node])} so far.`;
+    if (place.kind === "store") return `${place.name} has delivered ${counted(given[node])} and taken ${counted(taken[node])} so far.`;
     const first = parts[0];
     const oldest = first ? `; ${named(first)} is there since ${clock(first[1].since)}` : "";
-    return `${place.name} holds ${parts.length.toLocaleString("en")} ${parts.length === 1 ? "part" : "parts"}${oldest}.${refusedText}`;
+    return `${place.name} holds ${counted(parts.length)}${oldest}.${refusedText}`;
   }
 
   let pointed = -1;
@@ -614,8 +620,8 @@
   async function begin() {
     [moves, states, refusals] = await Promise.all([readMoves(), Promise.all(data.states.map(readStates)), Promise.all(data.refusals.map(readTimes))]);
     if (data.laterStates) later = await Promise.all(data.laterStates.nodes.map(readShares));
-    snapshots.push({ there: new Map(), gone: data.nodes.map(() => 0), applied: 0 });
     reset();
+    snapshots.push({ there: new Map(), numbers: [[...gone], [...taken], [...given]], applied });
     readColours();
     setUpControls();
     setUpTimeline();

@@ -244,10 +244,7 @@ impl Recorder {
         let mut bins = Vec::new();
         let mut width = 0.0;
         for (state, sums) in self.later[node].iter().enumerate() {
-            let mut sums = sums.clone();
-            // All get bins of the same width.
-            sums.spread(self.end, self.end, 0.0);
-            let (seconds, of_state) = sums.until(self.end, CURVE);
+            let (seconds, of_state) = sums.clone().until(self.end, CURVE);
             bins.resize(seconds.len(), [0.0; 7]);
             for (bin, seconds) in bins.iter_mut().zip(seconds) {
                 bin[state] = seconds;

@@ -72,9 +72,13 @@ impl Sums {
     }
 
     /// The sums up to `end`, in seconds, in at most `most` bins of a round width, and that width.
+    /// What is of the instant `end` is in the last bin.
     pub fn until(mut self, end: f64, most: usize) -> (Vec<f64>, f64) {
-        let count = (end / self.width).ceil() as usize;
-        self.sums.resize(count.clamp(1, BINS + 1), 0.0);
+        self.spread(end, end, 0.0);
+        let count = ((end / self.width).ceil() as usize).max(1);
+        let at_end: f64 = self.sums.iter().skip(count).sum();
+        self.sums.resize(count, 0.0);
+        self.sums[count - 1] += at_end;
         let (each, width) = grouping(self.width, end, most);
         let bins = self.sums.chunks(each);
         (bins.map(|bin| bin.iter().sum()).collect(), width)
@@ -286,6 +290,29 @@ mod tests {
         assert!((bins.iter().sum::<f64>() - 20_005.0).abs() < 1e-6);
         // 2 in each 0.7 s.
         assert!((bins[100] / width - 2.0 / 0.7).abs() < 0.1);
+    }
+
+    /// Bins go up to the end, also if nothing happened for long, and have what happened there.
+    #[test]
+    fn the_last_bin_has_the_end() {
+        for (end, wanted) in [(7200.0, 480), (7210.0, 481), (86_400.0, 288)] {
+            let mut sums = Sums::new();
+            sums.spread(50.0, 50.0, 1.0);
+            let (bins, _) = sums.clone().until(end, CURVE + 1);
+            assert_eq!(
+                (bins.len(), bins.iter().sum::<f64>()),
+                (wanted, 1.0),
+                "{end}"
+            );
+            sums.spread(end, end, 2.0);
+            let (bins, _) = sums.until(end, CURVE + 1);
+            assert_eq!(
+                (bins.len(), bins.iter().sum::<f64>()),
+                (wanted, 3.0),
+                "{end}"
+            );
+            assert_eq!(bins.last(), Some(&2.0), "{end}");
+        }
     }
 
     /// Bins of curves and columns of histograms have round widths, for runs of any length.

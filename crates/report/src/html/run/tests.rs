@@ -186,7 +186,7 @@ fn the_conclusion_is_in_words() {
         &text,
         &[
             "1 d simulated",
-            "In this one run, the line made 294 products (189 WaterPallet, 105 JuicePallet), 12.2 an hour (17.3 on shift); half of them were in it for at most 6 min 28 s. The supply from water and juice limits it first: filler waits for parts for 11.9 % of its time on shift. All requirements hold. No contract was violated. One run has no confidence interval: add <code class=\"option\">--replications 10</code> to get one.",
+            "In this one run, the line made 294 products (189 WaterPallet, 105 JuicePallet), 12.2 an hour (17.3 on shift); half of them were in it for at most 6 min 28 s. The supply from water and juice limits the line first: filler waits for parts for 11.9 % of its time on shift. All requirements hold. No station or conveyor has a contract that could be violated. One run has no confidence interval: add <code class=\"option\">--replications 10</code> to get one.",
             "189 WaterPallet, 105 JuicePallet; 21 Water, 14 Juice rejected",
             "availability 69.6 % (busy share of its time on shift)",
             "Availability is that of ISO 22400-2: actual production time by planned busy time",
@@ -217,16 +217,19 @@ fn the_conclusion_of_replications_is_of_all_runs() {
     let text = page(&page_of_runs);
     let mean = |value: fn(&Trace) -> f64| traces.iter().map(value).sum::<f64>() / 3.0;
     let median = linewright_line::trace::duration_in_units(mean(|trace| trace.lead_time.p50));
-    let products = crate::html::numbers::figure(mean(|trace| trace.products as f64));
+    let products: Vec<f64> = traces.iter().map(|trace| trace.products as f64).collect();
+    let products = linewright_line::Estimate::of(&products).unwrap();
+    let products = crate::html::numbers::rounded(products.mean, products.half_width.unwrap());
     assert_contains(
         &text,
         &[
             "In 3 runs, the line made ",
             &format!("products an hour; the mean of the runs' median lead times is {median}."),
-            "In all of them, the supply from water and juice, for which filler waits, limits it.",
+            "In all of them, the supply from water and juice, for which filler waits, limits the line.",
             &format!("<dd>{products}</dd>"),
             "mean of 3 runs, ± ",
-            "of contracts, in 3 runs",
+            "no station or conveyor has a contract, in 3 runs",
+            ">Replications</a>",
         ],
     );
     assert!(!text.contains("One run has no"));
@@ -277,8 +280,18 @@ fn variants_are_side_by_side() {
             &of_measure("fast"),
             &of_measure("slow"),
             "Where the time goes, slow",
+            "</ul><h3>Where the time goes, fast",
             "<th scope=\"row\">mean lead time</th>",
         ],
+    );
+    // A mean has as many decimal places as its difference from the line as it is.
+    let (_, row) = text.split_once(&of_measure("fast")).unwrap();
+    let words = row.split(|c: char| !c.is_ascii_digit() && c != '.');
+    let decimals = words.filter_map(|word| Some(word.split_once('.')?.1.len()));
+    let decimals: Vec<usize> = decimals.take(4).collect();
+    assert!(
+        decimals[0] >= 1 && decimals.iter().all(|of| *of == decimals[0]),
+        "{decimals:?}"
     );
 }
 
@@ -291,13 +304,72 @@ fn a_line_of_one_product_names_it() {
         &text,
         &[
             "the line made 3,000 P, ",
-            "<dd>3,000 P</dd>",
-            "The supply from s limits it: no part had to wait there.",
+            "<dd>3,000</dd>",
+            "of type P; none rejected",
+            "The supply from s limits the line: no part had to wait there.",
             "b not used: 100.0 %",
         ],
     );
     // Without a calendar, time is that since the start.
     assert!(text.contains(">1 h</text>") && !text.contains(">Mon</text>"));
+}
+
+/// A product that is finished at the very end of the run is in the last bin of the throughput.
+#[test]
+fn the_last_product_is_in_the_throughput() {
+    let text = "line L { part P source s: P every 5 s station a { takes 5 s } sink out
+        route P: s -> a -> out limit 300 products }";
+    let run = recorded(text, Options::default());
+    assert_near(
+        run.trace.makespan,
+        run.recorder.end,
+        "time of the last product",
+    );
+    let (rates, width) = run.recorder.throughput();
+    let lengths = (0..rates.len()).map(|bin| (run.recorder.end - bin as f64 * width).min(width));
+    let products: f64 = lengths.zip(&rates).map(|(s, rate)| rate * s / 3600.0).sum();
+    assert_near(products, 300.0, "products");
+}
+
+/// A line whose parts leave it, but are no products, has no bottleneck, in all places.
+#[test]
+fn a_line_without_products_says_what_left_it() {
+    let text = "line L { part P part Q product P source s: Q every 5 s source t: P every 2 h
+        station a { takes 1 s } station b { takes 2 h } sink out
+        route Q: s -> a -> out route P: t -> b -> out }";
+    let run = recorded(text, for_hours(1.0));
+    let finished = run.recorder.balance(1).finished;
+    let text = run.written();
+    assert_contains(
+        &text,
+        &[&format!(
+            "The line made no product in this one run; other parts that left it: {finished} Q."
+        )],
+    );
+    assert_eq!(text.matches("none: no product was made").count(), 2);
+}
+
+/// Parts that came to a sink for rejects and parts that were taken out elsewhere add up to the
+/// rejected parts of the tiles and the requirements.
+#[test]
+fn rejected_parts_are_the_same_everywhere() {
+    let run = recorded(BOTTLING, for_hours(24.0));
+    let rejected: u64 = run.trace.rejects.iter().map(|reject| reject.count).sum();
+    let types = 0..run.line.parts.len();
+    let balances = types.map(|kind| run.recorder.balance(kind));
+    let [to_sink, elsewhere] = balances.fold([0, 0], |[to_sink, elsewhere], balance| {
+        [to_sink + balance.rejected, elsewhere + balance.scrapped]
+    });
+    assert_eq!(to_sink + elsewhere, rejected);
+    assert_contains(
+        &run.written(),
+        &[
+            ">Rejected</th>",
+            &format!(
+                "<td class=\"number\">{rejected}</td><td class=\"number\">{to_sink}</td><td class=\"number\">{elsewhere}</td>"
+            ),
+        ],
+    );
 }
 
 /// What entered the line is what left it or is still there, for each type; flow into a sink for

@@ -1,23 +1,24 @@
 //! What came out, in words, and what it is worth: one run, its batches, or several runs.
 
 use super::super::charts::signed;
+use super::super::picture::by_type;
 use super::super::{Compared, Page};
 use super::intervals::{changes, estimate, interval, mean_of_runs};
 use super::summary::judged;
-use super::{counted, first, made};
+use super::{counted, first, has_contracts, made};
 use crate::Intervals;
 use crate::html::numbers::{count, figure, percent};
 use linewright_language::contract::line::Line;
 use linewright_language::contract::metric::Measure;
 use linewright_line::trace::duration_in_units;
-use linewright_line::{Bottleneck, Trace, Verdict};
+use linewright_line::{Bottleneck, Verdict};
 
 /// What came out: products, what limits them, requirements, violations.
 pub(super) fn conclusion(page: &Page<'_>) -> String {
     let mut sentences = vec![products(page)];
     sentences.extend(limits(page));
     sentences.extend(requirements(page));
-    sentences.push(violations(page.traces));
+    sentences.push(violations(page));
     sentences.extend(page.comparisons.iter().filter_map(variant));
     sentences.join(" ")
 }
@@ -26,9 +27,15 @@ pub(super) fn conclusion(page: &Page<'_>) -> String {
 fn variant(compared: &Compared<'_>) -> Option<String> {
     let mut all = compared.comparisons.iter();
     let of = all.find(|of| of.measure == Measure::Throughput && of.as_it_is > 0.0)?;
-    let share = |difference: f64| signed(difference / of.as_it_is);
+    let half_width = of.difference.half_width;
+    let share = |difference: f64| {
+        signed(
+            difference / of.as_it_is,
+            half_width.unwrap_or(0.0) / of.as_it_is,
+        )
+    };
     let (change, mean) = (changes(compared.variant), of.difference.mean);
-    Some(match (of.is_significant(), of.difference.half_width) {
+    Some(match (of.is_significant(), half_width) {
         (Some(true), Some(half)) => format!(
             "If {change}, the throughput changes by {} (95 %: {} to {}).",
             share(mean),
@@ -51,7 +58,22 @@ fn products(page: &Page<'_>) -> String {
     let trace = first(page);
     let runs = page.traces.len();
     if page.traces.iter().all(|trace| trace.products == 0) {
-        return format!("The line made no product in {}.", counted_runs(runs));
+        let parts = 0..page.line.parts.len();
+        let others: Vec<u64> = parts
+            .map(|kind| page.recorder.balance(kind).finished)
+            .collect();
+        let others = if runs == 1 && others.iter().any(|number| *number > 0) {
+            format!(
+                "; other parts that left it: {}",
+                by_type(page.line, &others)
+            )
+        } else {
+            String::new()
+        };
+        return format!(
+            "The line made no product in {}{others}.",
+            counted_runs(runs)
+        );
     }
     let median = mean_of_runs(page, |trace| {
         (trace.products > 0).then_some(trace.lead_time.p50)
@@ -94,10 +116,11 @@ fn product_word(line: &Line) -> &str {
 
 /// What limits the line: in one run with the evidence, otherwise in how many runs it is what.
 fn limits(page: &Page<'_>) -> Option<String> {
+    if page.traces.iter().all(|trace| trace.products == 0) {
+        return None;
+    }
     if let [trace] = page.traces {
-        return (trace.products > 0)
-            .then(|| limit_with_evidence(&trace.bottleneck))
-            .flatten();
+        return limit_with_evidence(&trace.bottleneck);
     }
     let limits = page
         .traces
@@ -106,9 +129,9 @@ fn limits(page: &Page<'_>) -> Option<String> {
     let (most, number) = most_frequent(limits)?;
     let runs = page.traces.len();
     Some(if number == runs {
-        format!("In all of them, {most} limits it.")
+        format!("In all of them, {most} limits the line.")
     } else {
-        format!("In {number} of {runs} runs, {most} limits it.")
+        format!("In {number} of {runs} runs, {most} limits the line.")
     })
 }
 
@@ -160,23 +183,23 @@ fn limit_with_evidence(bottleneck: &Bottleneck) -> Option<String> {
             busiest: Some(station),
             parts_wait: true,
         } => format!(
-            "The supply from {} limits it first: {} waits for parts for {} of its time on shift.",
+            "The supply from {} limits the line first: {} waits for parts for {} of its time on shift.",
             names.join(" and "),
             station.name,
             percent(station.starved_on_shift)
         ),
         Bottleneck::Source { names, .. } => format!(
-            "The supply from {} limits it: no part had to wait there.",
+            "The supply from {} limits the line: no part had to wait there.",
             names.join(" and ")
         ),
         Bottleneck::Undecided(stations) => {
             let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
             format!(
-                "One of {} limits it; they are nearly equal.",
+                "One of {} limits the line; they are nearly equal.",
                 names.join(", ")
             )
         }
-        _ => format!("{} limits it.", limit(bottleneck)?),
+        _ => format!("The bottleneck is {}.", limit(bottleneck)?),
     };
     Some(sentence)
 }
@@ -197,7 +220,8 @@ fn requirements(page: &Page<'_>) -> Option<String> {
     }
 }
 
-fn violations(traces: &[Trace]) -> String {
+fn violations(page: &Page<'_>) -> String {
+    let traces = page.traces;
     let number: u64 = traces.iter().map(|trace| trace.violation_count).sum();
     let with = traces.iter().filter(|trace| trace.violation_count > 0);
     let in_runs = if traces.len() > 1 {
@@ -206,6 +230,9 @@ fn violations(traces: &[Trace]) -> String {
         String::new()
     };
     match number {
+        0 if !has_contracts(page.line) => {
+            "No station or conveyor has a contract that could be violated.".to_owned()
+        }
         0 => "No contract was violated.".to_owned(),
         1 => format!("A contract was violated once{in_runs}."),
         number => format!("Contracts were violated {} times{in_runs}.", count(number)),

@@ -34,6 +34,7 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
     let shown = trace.violations.len().min(SHOWN_VIOLATIONS);
     let inside = html! {
         p {
+            "A contract has the rules that a machine's controller keeps, and those that it assumes of the plant. There were "
             (count(trace.violation_count)) " violations of contracts, by place and rule."
             @if is_cut { " The tables have the first " (count(trace.violations.len() as u64)) "." }
         }

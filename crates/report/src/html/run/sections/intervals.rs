@@ -2,9 +2,9 @@
 
 use super::super::charts::{Range, signed};
 use super::super::{Compared, Page, charts};
-use super::first;
-use super::operation::shares;
-use crate::html::numbers::figure;
+use super::operation::{OF_SHARES, shares};
+use super::{first, legend};
+use crate::html::numbers::{figure, rounded};
 use crate::html::parts::{behind, section, table};
 use crate::{Intervals, Variant};
 use linewright_language::contract::metric::Measure;
@@ -32,35 +32,43 @@ pub(super) fn mean_of_runs(page: &Page<'_>, figure: impl Fn(&Trace) -> Option<f6
 
 /// A mean with its interval, as text.
 pub(super) fn interval(estimate: Option<Estimate>) -> String {
-    interval_with(estimate, figure)
+    interval_with(estimate, rounded)
 }
 
-/// A mean with its interval, with its numbers in this format.
-fn interval_with(estimate: Option<Estimate>, show: impl Fn(f64) -> String) -> String {
+/// A mean with its interval, with its numbers in a format that depends on the half-width.
+fn interval_with(estimate: Option<Estimate>, show: impl Fn(f64, f64) -> String) -> String {
     let Some(Estimate { mean, half_width }) = estimate else {
         return "-".to_owned();
     };
     match half_width {
         Some(half) => format!(
             "{} ({} to {})",
-            show(mean),
-            show(mean - half),
-            show(mean + half)
+            show(mean, half),
+            show(mean - half, half),
+            show(mean + half, half)
         ),
-        None => show(mean),
+        None => show(mean, 0.0),
     }
 }
 
 /// The name of a measure; that of a time in seconds without its unit, which its values have.
 fn name_of(measure: Measure) -> &'static str {
+    if measure == Measure::Makespan {
+        return "makespan: time of the last product";
+    }
     let label = measure.info().label;
     label.strip_suffix(SECONDS).unwrap_or(label)
 }
 
-/// A value of a measure, or a difference of two: times with their units.
-fn value_of(measure: Measure, value: f64) -> String {
+/// A value of a measure, or a difference of two, with the digits that fit the half-width of an
+/// interval, which is 0 if there is none: times with their units, from a minute on in whole
+/// seconds.
+pub(super) fn value_of(measure: Measure, value: f64, half_width: f64) -> String {
     if !measure.info().label.ends_with(SECONDS) {
-        return figure(value);
+        return rounded(value, half_width);
+    }
+    if half_width > 0.0 && value.abs() < 59.5 {
+        return format!("{} s", rounded(value, half_width));
     }
     let sign = if value < 0.0 { "-" } else { "" };
     format!("{sign}{}", duration_in_units(value.abs()))
@@ -74,6 +82,14 @@ fn is_result(page: &Page<'_>, measure: Measure) -> bool {
     measure != Measure::Makespan || first(page).end != End::Time
 }
 
+/// The heading of the section on intervals.
+pub(super) fn heading_of(intervals: Intervals<'_>) -> &'static str {
+    match intervals {
+        Intervals::Replications(_) => "Replications",
+        Intervals::Batches(_) => "Batch means",
+    }
+}
+
 pub(super) fn replications(page: &Page<'_>) -> Markup {
     const SHOWN: [Measure; 6] = [
         Measure::Throughput,
@@ -83,26 +99,24 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
         Measure::Makespan,
         Measure::Energy,
     ];
-    let (heading, about) = match page.intervals {
-        None => return html! {},
-        Some(Intervals::Replications(runs)) => (
-            "Replications",
-            format!(
-                "Means of {} runs with 95 % confidence intervals, in percent of each mean. Each small dot is a run.",
-                runs.seeds.len()
-            ),
+    let Some(intervals) = page.intervals else {
+        return html! {};
+    };
+    let heading = heading_of(intervals);
+    let about = match intervals {
+        Intervals::Replications(runs) => format!(
+            "Means of {} runs with 95 % confidence intervals, in percent of each mean. Each small dot is a run.",
+            runs.seeds.len()
         ),
-        Some(Intervals::Batches(batches)) => (
-            "Batch means",
-            format!(
-                "Means of {} batches of the run with 95 % confidence intervals, in percent of each mean.",
-                batches.count
-            ),
+        Intervals::Batches(batches) => format!(
+            "Means of {} batches of the run with 95 % confidence intervals, in percent of each mean.",
+            batches.count
         ),
     };
     let is_single = matches!(page.intervals, Some(Intervals::Batches(_)));
     let shown = SHOWN.iter().filter(|measure| is_result(page, **measure));
     let ranges: Vec<Range> = shown
+        .clone()
         .filter_map(|measure| {
             let estimate = estimate(page, *measure)?;
             let (mean, half) = (estimate.mean, estimate.half_width.unwrap_or(0.0));
@@ -118,7 +132,9 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
                     let values = of_runs(*measure, page.traces);
                     values.into_iter().map(of_mean).collect()
                 },
-                text: interval_with(Some(estimate), |value| value_of(*measure, value)),
+                text: interval_with(Some(estimate), |value, half| {
+                    value_of(*measure, value, half)
+                }),
             })
         })
         .collect();
@@ -126,17 +142,19 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
         .traces
         .iter()
         .map(|trace| {
-            let cells = SHOWN.iter().map(|measure| {
+            let cells = shown.clone().map(|measure| {
                 of_runs(*measure, std::slice::from_ref(trace))
                     .first()
-                    .map_or("-".to_owned(), |value| value_of(*measure, *value))
+                    .map_or("-".to_owned(), |value| value_of(*measure, *value, 0.0))
             });
             std::iter::once(trace.seed.to_string())
                 .chain(cells)
                 .collect()
         })
         .collect();
-    let headings: Vec<&str> = std::iter::once("Seed").chain(SHOWN.map(name_of)).collect();
+    let headings: Vec<&str> = std::iter::once("Seed")
+        .chain(shown.map(|of| name_of(*of)))
+        .collect();
     let inside = html! {
         p { (about) }
         (charts::ranges(heading, &ranges))
@@ -183,10 +201,13 @@ pub(super) fn comparison(page: &Page<'_>) -> Markup {
         (charts::ranges("Differences", &ranges))
         (table(&["Measure", "Line", "Mean", "Difference from the line as it is", "More than noise"], &rows))
         h3 { "Where the time goes, as it is" (of_first_run) }
+        p { (OF_SHARES) }
         (shares(&first(page).stations))
+        (legend())
         @for compared in variants { @if let Some(other) = compared.traces.first() {
             h3 { "Where the time goes, " (compared.variant.label()) (of_first_run) }
             (shares(&other.stations))
+            (legend())
         } }
     };
     section("comparison", "Comparison", &inside)
@@ -210,8 +231,10 @@ fn of_measure<'a>(variants: &'a [Compared<'a>], measure: Measure) -> Vec<(usize,
 }
 
 fn range(compared: &Comparison, label: &str, are_several: bool) -> Range {
-    let half = compared.difference.half_width.unwrap_or(0.0) / compared.as_it_is.abs();
-    let mean = compared.difference.mean / compared.as_it_is.abs();
+    let base = compared.as_it_is.abs();
+    let half_width = compared.difference.half_width.map(|half| half / base);
+    let mean = compared.difference.mean / base;
+    let half = half_width.unwrap_or(0.0);
     let measure = name_of(compared.measure);
     Range {
         name: if are_several {
@@ -223,12 +246,7 @@ fn range(compared: &Comparison, label: &str, are_several: bool) -> Range {
         mean,
         high: mean + half,
         values: Vec::new(),
-        text: format!(
-            "{} ({} to {})",
-            signed(mean),
-            signed(mean - half),
-            signed(mean + half)
-        ),
+        text: interval_with(Some(Estimate { mean, half_width }), signed),
     }
 }
 
@@ -238,11 +256,15 @@ fn measure_rows(variants: &[Compared<'_>], labels: &[&str], measure: Measure) ->
     let Some((_, one)) = all.first() else {
         return Vec::new();
     };
+    // All numbers of a measure have the digits that its least half-width asks for.
+    let halves = all.iter().filter_map(|(_, c)| c.difference.half_width);
+    let least = halves.filter(|half| *half > 0.0).reduce(f64::min);
+    let show = |value: f64| value_of(measure, value, least.unwrap_or(0.0));
     let row = |line: &str, mean: f64, difference: String, is_significant: &str| {
         vec![
             name_of(measure).to_owned(),
             line.to_owned(),
-            value_of(measure, mean),
+            show(mean),
             difference,
             is_significant.to_owned(),
         ]
@@ -257,7 +279,7 @@ fn measure_rows(variants: &[Compared<'_>], labels: &[&str], measure: Measure) ->
         rows.push(row(
             labels[variant],
             compared.what_if,
-            interval_with(Some(compared.difference), |value| value_of(measure, value)),
+            interval_with(Some(compared.difference), |value, _| show(value)),
             is_significant,
         ));
     }

@@ -63,6 +63,16 @@ pub(super) fn all(page: &Page<'_>, picture: &Picture) -> Markup {
     }
 }
 
+/// Whether a station or a conveyor has a contract.
+fn has_contracts(line: &Line) -> bool {
+    line.nodes.iter().any(|node| node.machine().is_some())
+}
+
+/// Whether a station is off shift at times.
+fn has_shifts(line: &Line) -> bool {
+    (0..line.nodes.len()).any(|node| line.calendar_of(node).is_some())
+}
+
 /// The stations that took no energy in the first run.
 fn unpowered<'a>(page: &Page<'a>) -> Vec<&'a str> {
     let has_none = |node: usize| page.recorder.joules[node].iter().sum::<f64>() <= 0.0;

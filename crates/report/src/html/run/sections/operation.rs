@@ -4,12 +4,12 @@ use super::super::charts::{Bar, Piece};
 use super::super::moments::Moments;
 use super::super::picture::Picture;
 use super::super::{Page, charts, state_class};
+use super::summary::limit_of_run;
 use super::{
     STATES, first, idle_name, legend, legend_with, part_shape, parts_legend, section_of_first,
 };
 use crate::html::numbers::{count, percent};
-use crate::html::parts::{behind, table};
-use crate::table::bottleneck;
+use crate::html::parts::table;
 use linewright_language::contract::line::declared_name;
 use linewright_line::log::Activity;
 use linewright_line::trace::{StationStatistics, WaitKind, duration_in_units};
@@ -30,18 +30,19 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
             input #time type="range" min="0" max="1000" value="0" step="any" aria-label="Time of the run";
             svg #marks viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true" {}
         }
+        p.hint #cut {}
+        @if trace.violation_count > 0 { p.hint { "Red marks below the slider: violations." } }
         div.scroll.picture tabindex="0" role="group" aria-label="Picture" { (picture.draw(page.line, page.recorder)) }
         p #status role="status" { "Point at a place, or move the focus to it, to see what it does." }
         (legend())
         (parts_legend(page, &html! {
             li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "pale: where a part has just come from" }
         }))
-        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number beside a place is that of the parts in it. Of more than 14, some are drawn and the rest is a number. While the run plays, a pale copy on the arrow shows the way of a part that has just moved." }
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number in a place is that of the parts there. In a sink, it is that of the parts that it has taken so far. Of more than 14, some are drawn and the rest is a number. While the run plays, a pale copy on the arrow shows the way of a part that has just moved." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())
         } }
-        p.hint #cut {}
     };
     section_of_first(page, "line-section", "The line", &inside)
 }
@@ -86,6 +87,10 @@ fn of_states(station: &StationStatistics) -> [f64; 6] {
     ]
 }
 
+/// What the bars of [`shares`] are.
+pub(super) const OF_SHARES: &str =
+    "Shares of all counted time, off shift included; at the end of each bar is its busy share.";
+
 pub(super) fn shares(stations: &[StationStatistics]) -> Markup {
     let bars: Vec<Bar> = stations
         .iter()
@@ -116,7 +121,18 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
     if stations.is_empty() {
         return html! {};
     }
-    let rows: Vec<Vec<String>> = stations
+    let times: Vec<Vec<String>> = stations
+        .iter()
+        .map(|station| {
+            let shares = of_states(station).map(percent);
+            std::iter::once(station.name.clone())
+                .chain(shares)
+                .collect()
+        })
+        .collect();
+    let mut of_times = vec!["Station"];
+    of_times.extend(STATES.map(|(_, name)| name));
+    let work: Vec<Vec<String>> = stations
         .iter()
         .map(|station| {
             let mut row = vec![
@@ -126,13 +142,10 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
                     .clone()
                     .unwrap_or_else(|| "not controlled".to_owned()),
                 count(station.processed),
-            ];
-            row.extend(of_states(station).map(percent));
-            row.push(
                 station
                     .work_time
                     .map_or("-".to_owned(), |work| duration_in_units(work.seconds)),
-            );
+            ];
             row.extend(match &station.oee {
                 Some(oee) => [
                     oee.index(),
@@ -147,16 +160,17 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
             row
         })
         .collect();
-    let mut headings = vec!["Station", "Machine", "Processed"];
-    headings.extend(STATES.map(|(_, name)| name));
-    headings.extend([
-        "Work a part",
+    let of_work = [
+        "Station",
+        "Machine",
+        "Processed",
+        "Work time per part",
         "OEE",
         "Availability (ISO 22400-2)",
         "Effectiveness",
         "Quality",
         "Scrapped",
-    ]);
+    ];
     let waits: Vec<Vec<String>> = stations
         .iter()
         .flat_map(|station| station.waits.iter().map(move |wait| (station, wait)))
@@ -166,9 +180,11 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
                 WaitKind::Blocked => "blocked by",
                 WaitKind::Starved => "starved of parts from",
             };
+            let behind = wait.station.as_ref().filter(|name| **name != wait.place);
+            let behind = behind.map_or(String::new(), |name| format!(", before {name}"));
             vec![
                 station.name.clone(),
-                format!("{kind} {}", wait.place),
+                format!("{kind} {}{behind}", wait.place),
                 percent(wait.share),
                 percent(wait.failed),
                 percent(wait.off_shift),
@@ -176,17 +192,21 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         })
         .collect();
     let inside = html! {
-        p { "Shares of all counted time, off shift included; at the end of each bar is its busy share." }
+        p { (OF_SHARES) }
         (shares(stations))
         (legend())
-        (behind(&headings, &rows))
+        details {
+            summary { "Show as tables" }
+            (table(&of_times, &times))
+            (table(&of_work, &work))
+        }
         @if !waits.is_empty() {
             h3 { "What the stations waited for" }
-            p { "Causes of at least 0.5 % of a station's time." }
-            (table(&["Station", "It was", "Share of all time", "while that one was failed", "while that one was off shift"], &waits))
+            p { "Causes of at least 0.5 % of a station's time. All shares are of all its counted time. The other station is the last one that the second column names." }
+            (table(&["Station", "It was", "Share", "of it, while the other station had failed", "of it, while the other station was off shift"], &waits))
         }
         h3 { "Bottleneck" }
-        p { (bottleneck(&first(page).bottleneck)) "." }
+        p { (limit_of_run(first(page))) "." }
         (losses(page))
     };
     section_of_first(page, "stations", "Where the time goes", &inside)
@@ -203,18 +223,27 @@ fn losses(page: &Page<'_>) -> Markup {
         return html! {};
     };
     let counted = trace.seconds - trace.warm_up;
+    let idle = station.shares.idle;
+    let has_time_off = idle > 0.0 && idle < 1.0;
     let rows = of_states(station).into_iter().zip(STATES);
     let rows = rows.map(|(share, (state, name))| {
-        vec![
-            name_of(station, state, name).to_owned(),
-            percent(share),
-            duration_in_units(share * counted),
-        ]
+        let on_shift = match state {
+            Activity::Idle => "-".to_owned(),
+            _ => percent(share / (1.0 - idle)),
+        };
+        [name_of(station, state, name).to_owned(), percent(share)]
+            .into_iter()
+            .chain(has_time_off.then_some(on_shift))
+            .chain([duration_in_units(share * counted)])
+            .collect()
     });
+    let mut headings = vec!["State", "Share of all time"];
+    headings.extend(has_time_off.then_some("Share of time on shift"));
+    headings.push("Time");
     html! {
-        p { "The time of " (station.name) " by state:" }
-        (table(&["State", "Share of all time", "Time"], &rows.collect::<Vec<_>>()))
-        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Quality is the share of a station's parts that were not rejected because of it. A rejected part counts against the station that made it defective, or else against the last one that worked on it." }
+        p { "The time of " (station.name) " by state" @if has_time_off { "; the bottleneck is judged by shares of the time on shift" } ":" }
+        (table(&headings, &rows.collect::<Vec<_>>()))
+        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the work done by the time in work: it is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good. A rejected part counts against the station that made it defective, or else against the last one that worked on it." }
     }
 }
 

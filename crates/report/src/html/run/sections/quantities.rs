@@ -53,12 +53,15 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
         })
         .collect();
     let inside = html! {
-        p { "Work in progress is the number of parts in the line, of all types. Dark: the mean of each " (duration_in_units(units.width)) "; light: the maximum. Dashed: the capacity of a buffer."
+        p { "Work in progress is the number of parts in the line, of all types. Dark: the mean of each " (duration_in_units(units.width)) "; light: the maximum."
+            @if !buffers.is_empty() { " Dashed: the capacity of a buffer." }
             @if recorder.counting > 0.0 { " Grey: the warm-up." } }
         (charts::curve("Work in progress over time", &units, axis, None))
         details {
             summary { "Show as a table" }
-            (table(&["Time from", "Mean", "Maximum"], &curve_rows(&units, moments)))
+            @let (seconds, curve) = curve_rows(&units, moments);
+            p { "Each row is of " (duration_in_units(seconds)) ", the last one up to the end of the run." }
+            (table(&["Time from", "Mean", "Maximum"], &curve))
         }
         @if types.len() > 1 { details {
             summary { "By part type" }
@@ -80,14 +83,14 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
             (charts::curve(&format!("Parts in {} over time", node.name), curve, axis, Some(*capacity)))
         }
         @if !rows.is_empty() {
-            (behind(&["Buffer", "Passed", "Mean length", "Longest", "Full, of all time", "Mean wait", "Longest wait", "Expired"], &rows))
+            (behind(&["Buffer", "Passed", "Mean length", "Longest", "Full, of all time", "Mean wait of parts that left", "Longest wait of parts that left", "Expired"], &rows))
         }
     };
     section_of_first(page, "queues", "Work in progress and queues", &inside)
 }
 
-/// A curve as some twenty rows of a table.
-fn curve_rows(curve: &Curve, moments: Moments) -> Vec<Vec<String>> {
+/// A curve as some twenty rows of a table, and the seconds of a row.
+fn curve_rows(curve: &Curve, moments: Moments) -> (f64, Vec<Vec<String>>) {
     const ROWS: usize = 20;
     let step = curve.means.len().div_ceil(ROWS).max(1);
     let pieces = curve
@@ -95,7 +98,7 @@ fn curve_rows(curve: &Curve, moments: Moments) -> Vec<Vec<String>> {
         .chunks(step)
         .zip(curve.maxima.chunks(step))
         .enumerate();
-    pieces
+    let rows = pieces
         .map(|(index, (means, maxima))| {
             let time = (index * step) as f64 * curve.width;
             let mean = means.iter().sum::<f64>() / means.len() as f64;
@@ -103,7 +106,8 @@ fn curve_rows(curve: &Curve, moments: Moments) -> Vec<Vec<String>> {
             let max = u64::try_from(max).unwrap_or(0);
             vec![moments.instant(time), figure(mean), count(max)]
         })
-        .collect()
+        .collect();
+    (step as f64 * curve.width, rows)
 }
 
 pub(super) fn lead_times(page: &Page<'_>) -> Markup {
@@ -153,7 +157,7 @@ pub(super) fn lead_times(page: &Page<'_>) -> Markup {
         p { "From the entry of a product's first part to the completion of the product: mean " (duration_in_units(time.mean)) ", median " (duration_in_units(time.p50)) ", 95th percentile " (duration_in_units(time.p95)) ", maximum " (duration_in_units(time.max)) ". Each column is " (duration_in_units(columns.width)) " wide."
             @if trace.warm_up > 0.0 { " Products that were begun during the warm-up and finished after it count, with all of their time." } }
         @if columns.beyond > 0 { p { (count(columns.beyond)) " products took longer than the chart shows, up to " (duration_in_units(time.max)) "." } }
-        (charts::histogram("Number of products by lead time", &columns, &lines))
+        (charts::histogram("Number of products by lead time", &columns, "products", &lines))
         (behind(&["Lead time", "Products"], &rows))
         @if !by_type.is_empty() {
             (table(&["Product", "Number", "An hour", "Mean", "Median", "95th percentile", "Maximum"], &by_type))
@@ -303,6 +307,7 @@ fn balance(page: &Page<'_>) -> Markup {
             balance.before,
             balance.entered,
             balance.finished,
+            balance.rejected + balance.scrapped,
             balance.rejected,
             balance.scrapped,
             balance.joined,
@@ -310,8 +315,8 @@ fn balance(page: &Page<'_>) -> Markup {
         ];
         (part.name.clone(), cells)
     });
-    let balances: Vec<(String, [u64; 7])> = balances.collect();
-    let mut all = [0; 7];
+    let balances: Vec<(String, [u64; 8])> = balances.collect();
+    let mut all = [0; 8];
     for (_, cells) in &balances {
         for (sum, cell) in all.iter_mut().zip(cells) {
             *sum += cell;
@@ -324,15 +329,16 @@ fn balance(page: &Page<'_>) -> Markup {
     let headings = [
         "Part type",
         "Before",
-        "Entered",
+        "Entered or made",
         "Finished",
         "Rejected",
-        "Taken out",
+        "to a reject sink",
+        "taken out elsewhere",
         "Joined",
         "At the end",
     ];
     html! {
-        p { "Parts that were in the line before counting began, and parts that entered it, have finished, came into a sink for rejects, were taken out elsewhere (by a failure, at the end of their shelf life, or because a contract refused them), were joined to others, or were in the line at the end." }
+        p { "Parts that were in the line before counting began, and parts that entered it or were made in it, have finished, were rejected, were joined to others, or were in the line at the end. Rejected parts came into a sink for rejects, or were taken out elsewhere: by a failure, at the end of their shelf life, or because a contract refused them." }
         (table(&headings, &rows))
     }
 }
@@ -369,9 +375,9 @@ fn yields(page: &Page<'_>) -> Markup {
     }
     let headings = [
         "Left the line as",
-        "Finished",
-        "Without rework",
-        "Scrapped",
+        "Worked parts in what finished",
+        "of these, without rework",
+        "Worked parts in scrap",
         "First-pass yield",
         "Scrap",
     ];

@@ -2,10 +2,10 @@
 
 use super::super::Page;
 use super::conclusion::{conclusion, limit, most_frequent};
-use super::intervals::{estimate, interval, mean_of_runs};
-use super::{first, made, unpowered};
+use super::intervals::{estimate, heading_of, interval, mean_of_runs, value_of};
+use super::{first, has_contracts, has_shifts, made, unpowered};
 use crate::Intervals;
-use crate::html::numbers::{count, exact, figure, percent};
+use crate::html::numbers::{count, exact, figure, percent, rounded};
 use crate::html::parts::{links, section, table_of, tile};
 use crate::table::{bottleneck, required_with};
 use linewright_language::contract::date::{WEEKDAYS, format_date, weekday};
@@ -19,22 +19,34 @@ use maud::{Markup, html};
 pub(super) fn header(page: &Page<'_>) -> Markup {
     let trace = first(page);
     let sections = [
-        ("line-section", "Line", true),
+        ("line-section", "The line", true),
         (
             "requirements",
             "Requirements",
             !page.line.requirements.is_empty(),
         ),
-        ("replications", "Intervals", page.intervals.is_some()),
+        (
+            "replications",
+            page.intervals.map_or("", heading_of),
+            page.intervals.is_some(),
+        ),
         ("comparison", "Comparison", !page.comparisons.is_empty()),
-        ("stations", "Stations", !trace.stations.is_empty()),
-        ("timeline", "Timeline", !trace.stations.is_empty()),
-        ("queues", "WIP and queues", true),
+        (
+            "stations",
+            "Where the time goes",
+            !trace.stations.is_empty(),
+        ),
+        (
+            "timeline",
+            "Timeline of the stations",
+            !trace.stations.is_empty(),
+        ),
+        ("queues", "Work in progress and queues", true),
         ("lead-times", "Lead times", trace.products > 0),
         ("energy", "Energy", trace.joules > 0.0),
-        ("flow", "Flow", true),
+        ("flow", "Flow between places", true),
         ("violations", "Violations", trace.violation_count > 0),
-        ("model", "Model", true),
+        ("model", "The model", true),
     ];
     html! {
         header {
@@ -61,7 +73,7 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
 fn ending(end: End) -> &'static str {
     match end {
         End::Products => "The run ended with the last product that was asked for.",
-        End::Time => "The run ended at the time that was asked for.",
+        End::Time => "The run ended at its end time.",
         End::Blocked => "The run ended early: the line can no longer advance.",
         End::PartLost => "The run ended early: a conveyor lost a part.",
         End::GaveUp => "The run was cut off at the time limit.",
@@ -71,30 +83,31 @@ fn ending(end: End) -> &'static str {
 /// A tile for a measure: its mean with the interval if there is one, otherwise the value of the run
 /// with a note.
 fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &str) -> Markup {
-    let show = |value: f64| match measure {
-        Measure::LeadTime => duration_in_units(value),
-        Measure::Throughput => format!("{} / h", figure(value)),
-        Measure::Energy => format!("{} kWh", figure(value)),
+    let show = |value: f64, half: f64| match measure {
+        Measure::Throughput => format!("{} / h", rounded(value, half)),
+        Measure::Energy => format!("{} kWh", rounded(value, half)),
+        Measure::FirstPassYield if half > 0.0 => {
+            format!("{} %", rounded(value * 100.0, half * 100.0))
+        }
         Measure::FirstPassYield => percent(value),
-        _ => figure(value),
+        _ => value_of(measure, value, half),
     };
     let Some(Estimate {
         mean,
         half_width: Some(half),
     }) = estimate(page, measure)
     else {
-        return tile(name, &show(value), note);
+        return tile(name, &show(value, 0.0), note);
     };
     let of = match page.intervals {
         Some(Intervals::Batches(batches)) => format!("{} batches", batches.count),
         _ => format!("{} runs", page.traces.len()),
     };
-    let half = show(half);
-    let mut text = format!("mean of {of}, ± {half} (95 %)");
+    let mut text = format!("mean of {of}, ± {} (95 %)", show(half, half));
     if !note.is_empty() {
         text = format!("{text}; {note}");
     }
-    tile(name, &show(mean), &text)
+    tile(name, &show(mean, half), &text)
 }
 
 pub(super) fn tiles(page: &Page<'_>) -> Markup {
@@ -110,8 +123,13 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
         let mean = mean_of_runs(page, |t| of_products(t, quantile(&t.lead_time)));
         duration_in_units(mean.unwrap_or(0.0))
     };
+    let with_time_off = if has_shifts(page.line) {
+        "clock time, off shift included; "
+    } else {
+        ""
+    };
     let quantiles = format!(
-        "median {}, 95th percentile {}",
+        "{with_time_off}median {}, 95th percentile {}",
         lead_time(|time| time.p50),
         lead_time(|time| time.p95)
     );
@@ -123,19 +141,24 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
     let unpowered = unpowered(page).len();
     let unpowered = if unpowered > 0 {
         format!(
-            "; without {unpowered} of {} stations, which have no power",
+            "; {unpowered} of {} stations are without: the model gives them no power",
             trace.stations.len()
         )
     } else {
         String::new()
     };
     let violations: u64 = page.traces.iter().map(|trace| trace.violation_count).sum();
+    let of_contracts = if violations > 0 || has_contracts(page.line) {
+        "of contracts"
+    } else {
+        "no station or conveyor has a contract"
+    };
     html! {
         dl.tiles {
             (measured(page, Measure::Products, "Products", trace.products as f64, &made_and_rejected(page)))
             (measured(page, Measure::Throughput, "Throughput", trace.throughput_per_hour, &on_shift))
             @if has_products { (measured(page, Measure::LeadTime, "Lead time", trace.lead_time.mean, &quantiles)) }
-            (measured(page, Measure::Wip, "Work in progress", trace.wip.mean, &format!("parts of all types; at most {}", count(most_units.unwrap_or(0)))))
+            (measured(page, Measure::Wip, "Work in progress", trace.wip.mean, &format!("{with_time_off}parts of all types; at most {}", count(most_units.unwrap_or(0)))))
             @if let Some((name, oee)) = busiest_oee(page) {
                 (tile(&format!("OEE of {name}"), &percent(oee.index()), &format!(
                     "{}availability {} (busy share of its time on shift), effectiveness {}, quality {}",
@@ -154,12 +177,12 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
                 })))
             }
             (tile("Violations", &count(violations), &if page.traces.len() > 1 {
-                format!("of contracts, in {} runs", page.traces.len())
+                format!("{of_contracts}, in {} runs", page.traces.len())
             } else {
-                "of contracts".to_owned()
+                of_contracts.to_owned()
             }))
             div.tile.wide { dt { "Bottleneck" } dd.text {
-                @if has_products { (limits(page)) } @else { "none: no product was made" }
+                (limits(page))
             } }
         }
         (warnings(page))
@@ -174,6 +197,9 @@ fn limits(page: &Page<'_>) -> String {
             .iter()
             .filter_map(|trace| limit(&trace.bottleneck))
             .collect();
+        if page.traces.iter().all(|trace| trace.products == 0) {
+            return NO_PRODUCT.to_owned();
+        }
         let runs = page.traces.len();
         let mut all: Vec<String> = Vec::new();
         while let Some((most, number)) = most_frequent(rest.iter().cloned()) {
@@ -185,6 +211,17 @@ fn limits(page: &Page<'_>) -> String {
         }
         return all.join("; ");
     };
+    limit_of_run(trace)
+}
+
+/// What is said instead of a bottleneck if the line made nothing.
+const NO_PRODUCT: &str = "none: no product was made";
+
+/// What limits the line in a run.
+pub(super) fn limit_of_run(trace: &Trace) -> String {
+    if trace.products == 0 {
+        return NO_PRODUCT.to_owned();
+    }
     bottleneck(&trace.bottleneck)
 }
 
