@@ -8,6 +8,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
+/// How long the browser may take for all pages of a test, also on a slow and busy computer.
+const PATIENCE: Duration = Duration::from_mins(15);
+
 /// The folder of the Node packages that drive the browser: `LINEWRIGHT_BROWSER`. Without one, the
 /// test is skipped.
 fn modules() -> Option<PathBuf> {
@@ -99,7 +102,7 @@ fn reports_can_be_read_and_used_in_a_browser() {
             .arg(root().join("tests/program/browser/open.mjs"))
             .arg(modules)
             .args(pages),
-        Duration::from_mins(5),
+        PATIENCE,
     );
     assert!(opened.success, "{}", opened.all());
     assert_eq!(opened.output, "", "{}", opened.errors);
@@ -134,7 +137,7 @@ fn pages_of_checks_and_plays_can_be_read_in_a_browser() {
             .arg(root().join("tests/program/browser/open.mjs"))
             .arg(modules)
             .args(pages),
-        Duration::from_mins(5),
+        PATIENCE,
     );
     assert!(opened.success, "{}", opened.all());
     assert_eq!(opened.output, "", "{}", opened.errors);
@@ -202,7 +205,7 @@ fn a_walk_gives_the_values_of_step() {
                 .args(["step", contract, "--format", "json", "--script"])
                 .arg(&script_file)
                 .current_dir(folder),
-            Duration::from_mins(3),
+            PATIENCE,
         );
         let steps = folder.join(format!("{name}.jsonl"));
         std::fs::write(&steps, &played.output).expect("the steps");
@@ -213,7 +216,7 @@ fn a_walk_gives_the_values_of_step() {
             .arg(root().join("tests/program/browser/walk.mjs"))
             .arg(modules)
             .args(arguments),
-        Duration::from_mins(5),
+        PATIENCE,
     );
     assert!(opened.success, "{}", opened.all());
     assert_eq!(opened.output, "", "{}", opened.errors);

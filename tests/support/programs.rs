@@ -41,7 +41,7 @@ pub fn page(folder: &Path, name: &str, arguments: &[&str]) -> PathBuf {
             .args(arguments)
             .arg(&path)
             .current_dir(folder),
-        Duration::from_mins(3),
+        Duration::from_mins(10),
     );
     assert!(path.is_file(), "{}", run.all());
     path

@@ -385,7 +385,11 @@ mod tests {
         let (sizes, links) = chain(30, &[(25, 3), (12, 14), (0, 29)], Size::default());
         let folded = place_in_rows(&sizes, &links, SPACING);
         for (index, link) in folded.links.iter().enumerate() {
-            for pair in link.points.windows(2).filter(|pair| pair[0].x == pair[1].x) {
+            for pair in link
+                .points
+                .windows(2)
+                .filter(|pair| (pair[0].x - pair[1].x).abs() < 0.1)
+            {
                 let (low, high) = (pair[0].y.min(pair[1].y), pair[0].y.max(pair[1].y));
                 for (other, drawn) in folded.links.iter().enumerate() {
                     let tip = drawn.points[drawn.points.len() - 1];
