@@ -30,17 +30,6 @@ struct Entry {
 
 impl Entry {
     fn read(path: PathBuf, text: &str) -> Option<Self> {
-        const WORDS: [&str; 9] = [
-            "input",
-            "output",
-            "internal",
-            "define",
-            "assume",
-            "guarantee",
-            "counter",
-            "type",
-            "const",
-        ];
         let lines: Vec<&str> = text.lines().collect();
         let is_contract =
             |line: &&str| line.starts_with("contract ") || line.starts_with("moore contract ");
@@ -50,8 +39,8 @@ impl Entry {
         let comment: Vec<&str> = comment.map(str::trim).collect();
         let mut statements: Vec<String> = Vec::new();
         for line in lines[open + 1..].iter().take_while(|line| **line != "}") {
-            let word = line.strip_prefix("    ").unwrap_or("").split(' ').next();
-            if word.is_some_and(|word| WORDS.contains(&word)) {
+            // What goes on below is further in, since the file is formatted.
+            if line.starts_with("    ") && !line.starts_with("     ") {
                 statements.push((*line).to_owned());
             } else if let (false, Some(last)) = (line.is_empty(), statements.last_mut()) {
                 last.push('\n');
