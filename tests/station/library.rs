@@ -138,8 +138,9 @@ fn without_places(specification: &Specification) -> Arc<Specification> {
     Arc::new(specification)
 }
 
-/// Contracts of the library with their default parameters, the examples, and the components of the laboratory's
-/// machines; each once. The cell in one contract is omitted: it takes half a minute to solve.
+/// Contracts of the library with their default parameters, the examples, and the components of the
+/// laboratory's machines; each once. The cell in one contract is omitted: it takes half a minute to
+/// solve.
 fn machines_of_the_library() -> (Vec<Controlled>, usize) {
     let mut found = Vec::new();
     specifications(&crate::support::root().join("contracts"), &mut found);
