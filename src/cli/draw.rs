@@ -30,6 +30,7 @@ const EXAMPLES: &str = "Examples:
     linewright draw examples/transfer/cell.lw --out drawings
     linewright draw examples/ice-lab/line.lw::IceLab > line.svg
     linewright draw contracts/handling/turn.lw::Turn --around S6 --steps 2 > turn.svg
+    linewright draw contracts/separating/grind.lw --by phase > phases.svg
 
 A contract is drawn as the states of its controller, an unrealizable one as those of its \
 counterstrategy, a machine as its components with their wires, a line as its places with their \
@@ -54,6 +55,15 @@ pub struct Arguments {
     /// Number of edges from the state of --around to the farthest states drawn
     #[arg(long, value_name = "N", default_value_t = 1, requires = "around", value_parser = clap::value_parser!(u8).range(1..))]
     pub steps: u8,
+    /// Draw the values of this output, and which value may follow which, instead of the states of a
+    /// controller (repeatable, or separated by commas)
+    #[arg(
+        long,
+        value_name = "OUTPUT",
+        value_delimiter = ',',
+        conflicts_with = "around"
+    )]
+    pub by: Vec<String>,
 }
 
 /// Runs the command.
@@ -77,6 +87,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     if arguments.around.is_some() && (others > 0 || contracts.len() != 1) {
         anyhow::bail!("--around needs one contract: write FILE::NAME with the name of a contract");
     }
+    if !arguments.by.is_empty() && (others > 0 || contracts.len() != 1) {
+        anyhow::bail!("--by needs one contract: write FILE::NAME with the name of a contract");
+    }
     let out = arguments.out.as_deref();
     Results::check_count(count, out)?;
 
@@ -87,6 +100,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             let is_own = checked.verdict == Verdict::Realizable;
             let specification = Some(&*contract.specification).filter(|_| is_own);
             let text = match &arguments.around {
+                None if !arguments.by.is_empty() => of_outputs(machine, &arguments.by)?,
                 None => mealy::picture::to_svg(machine, specification),
                 Some(state) => around(machine, specification, state, arguments.steps.into())?,
             };
@@ -208,6 +222,25 @@ fn around(
     };
     let title = format!("{}, around {state}", machine.name);
     Ok(svg::render(&title, &graph.around(center, steps)))
+}
+
+/// Draws the values of some outputs of a machine, and which may follow which.
+fn of_outputs(machine: &mealy::Machine, names: &[String]) -> anyhow::Result<String> {
+    let mut outputs = Vec::new();
+    for name in names {
+        let Some(output) = machine.outputs.iter().position(|port| port.name == *name) else {
+            let known = machine.outputs.iter().map(|port| port.name.as_str());
+            anyhow::bail!(
+                "`{}` has no output `{name}`: its outputs are {}",
+                machine.name,
+                known.collect::<Vec<_>>().join(", ")
+            );
+        };
+        outputs.push(output);
+    }
+    let title = format!("{}, by {}", machine.name, names.join(", "));
+    let graph = mealy::picture::to_graph_of_outputs(machine, &outputs);
+    Ok(svg::render(&title, &graph))
 }
 
 /// Draws the automata of the components and the rules of a skill set.

@@ -29,11 +29,11 @@ type Frame = [f64; 4];
 
 /// A drawing as it was read.
 #[derive(Default)]
-struct Drawing {
+pub(super) struct Drawing {
     size: (f64, f64),
     /// Distance of the upper left corner from the origin.
     margin: f64,
-    texts: Vec<(String, Frame)>,
+    pub(super) texts: Vec<(String, Frame)>,
     /// Boxes and the ends of arrows.
     shapes: Vec<Frame>,
 }
@@ -51,7 +51,7 @@ fn number(element: &BytesStart<'_>, name: &str) -> f64 {
 }
 
 impl Drawing {
-    fn read(svg: &str) -> Self {
+    pub(super) fn read(svg: &str) -> Self {
         let mut drawing = Self::default();
         let mut reader = Reader::from_str(svg);
         let mut open: Option<Frame> = None;
@@ -124,7 +124,7 @@ impl Drawing {
         None
     }
 
-    fn faults(&self) -> Vec<String> {
+    pub(super) fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
         let (width, height) = self.size;
         if width > MAX_WIDTH {
@@ -157,7 +157,7 @@ impl Drawing {
 }
 
 /// What a file declares and imports, and the name of the file in it.
-fn loaded(path: &Path) -> (Library, String) {
+pub(super) fn loaded(path: &Path) -> (Library, String) {
     let text = std::fs::read_to_string(path).expect("a file");
     let files = [(path.display().to_string(), text)];
     let (library, _) = load(&files, &|wanted, from| {
@@ -341,6 +341,30 @@ fn a_part_of_a_controller_is_drawn() {
     };
     assert_eq!(states(&[]), ["S11", "S12"]);
     assert_eq!(states(&["--steps", "2"]), ["S11", "S12", "S8", "S9"]);
+}
+
+/// By an output, a drawing has a box for each of its values, without names of states.
+#[test]
+fn the_values_of_an_output_are_drawn() {
+    let draw = |by: &str| {
+        let clamp = ["draw", "contracts/handling/clamp.lw", "--by", by];
+        support::linewright(support::root(), &clamp)
+    };
+    let output = draw("phase");
+    let svg = String::from_utf8_lossy(&output.stdout).into_owned();
+    let drawing = Drawing::read(&svg);
+    assert_eq!(drawing.faults(), [""; 0]);
+    let texts = drawing.texts.into_iter().map(|(text, _)| text);
+    let mut texts: Vec<String> = texts.collect();
+    texts.sort();
+    let phases = ["approach", "fault", "hold", "idle", "press", "unclamp"];
+    assert_eq!(texts, phases.map(|phase| format!("phase = {phase}")));
+    let refused = draw("phase,gap");
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        message.contains("`Clamp` has no output `gap`: its outputs are phase, clamp_done"),
+        "{message}"
+    );
 }
 
 /// Each of these must be found.

@@ -3,8 +3,9 @@
 use crate::fixtures;
 use linewright::deadline::{Deadline, StopReason};
 use linewright::game::{Limit, Limits, Outcome, examine_environment, solve};
-use linewright::gr1::Specification;
+use linewright::gr1::{Domain, Specification, show_value};
 use linewright::mealy::{Machine, extract::extract, gr1c, json, picture, verify::verify};
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 #[test]
@@ -75,6 +76,42 @@ fn every_format_is_written_and_always_the_same() {
             std::fs::write(format!("{name}.svg"), &svg).expect("writable");
             std::fs::write(format!("{name}.dot"), picture::to_dot(&first)).expect("writable");
             std::fs::write(format!("{name}.json"), json.to_string()).expect("writable");
+        }
+    }
+}
+
+/// In the graph of an output's values, an edge leads from what the output is after one transition
+/// to what it is after a next one, if that differs.
+#[test]
+fn the_graph_of_an_output_has_all_changes_of_its_value() {
+    for specification in fixtures::contracts() {
+        let machine = machine(&specification);
+        let from = machine.states.iter().flatten().chain(&machine.initial);
+        let pairs = from.flat_map(|first| machine.states[first.to].iter().map(move |t| (first, t)));
+        let pairs: Vec<_> = pairs.collect();
+        for (output, port) in machine.outputs.iter().enumerate() {
+            let show = |value: i64| match port.domain {
+                Domain::Bool if value == 0 => format!("!{}", port.name),
+                Domain::Bool => port.name.clone(),
+                ref domain => {
+                    let value = show_value(domain, value, &port.unit);
+                    format!("{} = {value}", port.name)
+                }
+            };
+            let changes = pairs.iter().filter_map(|(first, second)| {
+                let (from, to) = (first.output[output], second.output[output]);
+                (from != to).then(|| (Some(show(from)), show(to)))
+            });
+            let starts = machine.initial.iter();
+            let starts = starts.map(|first| (None, show(first.output[output])));
+            let wanted: BTreeSet<(Option<String>, String)> = changes.chain(starts).collect();
+
+            let graph = picture::to_graph_of_outputs(&machine, &[output]);
+            let name = |state: usize| graph.states[state].concat();
+            let edges = graph.edges.iter();
+            let edges: Vec<_> = edges.map(|e| (e.from.map(name), name(e.to))).collect();
+            assert_eq!(edges.len(), wanted.len(), "{} {}", machine.name, port.name);
+            assert_eq!(BTreeSet::from_iter(edges), wanted);
         }
     }
 }

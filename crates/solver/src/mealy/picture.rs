@@ -8,7 +8,7 @@ use super::text::guard_parts;
 use super::{Guard, Machine, Port, Transition};
 use linewright_core::drawing::{Edge, Frame, Graph, dot, svg};
 use linewright_core::gr1::{Domain, Specification, show_value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Maximum number of cubes of a guard in a label; the JSON output has all of them.
 const MAX_LINES: usize = 3;
@@ -68,6 +68,50 @@ pub fn to_graph(machine: &Machine, goals: &[&str]) -> Graph {
         states,
         edges,
         frames: frames(machine, goals),
+        ..Graph::default()
+    }
+}
+
+/// Converts a machine to a graph of the values of some outputs: an edge leads from the values in
+/// one step to different values in the next. States with the same values become one box, and guards
+/// are left out. `outputs` are indices of [`Machine::outputs`].
+///
+/// # Panics
+/// If the machine has no output with such an index.
+pub fn to_graph_of_outputs(machine: &Machine, outputs: &[usize]) -> Graph {
+    let values =
+        |t: &Transition| -> Vec<i64> { outputs.iter().map(|output| t.output[*output]).collect() };
+    let mut boxes: BTreeMap<Vec<i64>, usize> = BTreeMap::new();
+    let mut states = Vec::new();
+    let mut edges: BTreeSet<(Option<usize>, usize)> = BTreeSet::new();
+    // Each state with the values of the step that led to it.
+    let mut reached: BTreeSet<(usize, usize)> = BTreeSet::new();
+    let mut left: VecDeque<(Option<usize>, &[Transition])> = [(None, &*machine.initial)].into();
+    while let Some((from, transitions)) = left.pop_front() {
+        for transition in transitions {
+            let values = values(transition);
+            let to = *boxes.entry(values.clone()).or_insert_with(|| {
+                let pairs = outputs.iter().zip(&values);
+                let shown = pairs.map(|(output, v)| assignment(&machine.outputs[*output], *v));
+                states.push(wrap(&shown.collect::<Vec<_>>(), ", "));
+                states.len() - 1
+            });
+            if from != Some(to) {
+                edges.insert((from, to));
+            }
+            if reached.insert((transition.to, to)) {
+                left.push_back((Some(to), &machine.states[transition.to]));
+            }
+        }
+    }
+    let edges = edges.into_iter().map(|(from, to)| Edge {
+        from,
+        to,
+        label: Vec::new(),
+    });
+    Graph {
+        states,
+        edges: edges.collect(),
         ..Graph::default()
     }
 }
