@@ -3,6 +3,7 @@
 mod algebra;
 mod book;
 mod browser;
+mod catalogue;
 mod cli;
 mod drawings;
 mod hostile;
