@@ -161,6 +161,7 @@ fn units_are_converted_exactly() {
              guarantee parts: always (c / 1 cm = 2 or c mod 1 cm = 3 mm or c / 2 > d)
              guarantee least: always min(a, b, 25 mm) <= max(d, 0)
              guarantee time: always (if a > b then t else 30 s) >= wait
+             guarantee choice: always (next c >= (if a > b then 2 cm else if d > 5 mm then 12 mm else 0 mm))
          }",
         "contract C {
              input a: 0..30
@@ -175,6 +176,7 @@ fn units_are_converted_exactly() {
              guarantee parts: always (c / 10 = 2 or c mod 10 = 3 or c / 2 > d)
              guarantee least: always min(a, 10 * b, 25) <= max(d, 0)
              guarantee time: always (if a > 10 * b then 60 * t else 30) >= wait
+             guarantee choice: always (next c >= (if a > 10 * b then 20 else if d > 5 then 12 else 0))
          }",
     );
 }

@@ -2,7 +2,7 @@
 //! ranges.
 
 use super::findings::Findings;
-use super::units::{aligned, same_dimension};
+use super::units::{aligned, not_constant, same_dimension};
 use super::{Elaborator, comparable, constant_real};
 use crate::contract::value::{Dimension, Term, Type, Value};
 use linewright_core::diagnostics::codes;
@@ -334,7 +334,10 @@ impl<'a> Elaborator<'a> {
         }
         self.expansion
             .spend(span, term.size(), &mut self.findings)?;
-        let expr = term.to_expr()?;
+        let Some(expr) = term.to_expr() else {
+            not_constant(span, &mut self.findings);
+            return None;
+        };
         let result = interval(&expr, &|v| self.variables.interval(v));
         match result {
             Ok(range) => Some(range),

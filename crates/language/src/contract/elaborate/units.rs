@@ -118,8 +118,8 @@ pub(in crate::contract) fn fitted_value(
     }
 }
 
-/// Converts a constant quantity to a whole number of `unit`. Reports a quantity that cannot be
-/// converted.
+/// Converts a constant quantity, or a choice between constant quantities, to a whole number of
+/// `unit`. Reports a quantity that cannot be converted.
 fn whole_count(
     span: Span,
     term: &Term,
@@ -136,13 +136,13 @@ fn whole_count(
         );
         return None;
     }
+    if let Term::If(condition, a, b) = term {
+        let a = whole_count(span, a, dimension, unit, findings);
+        let b = whole_count(span, b, dimension, unit, findings);
+        return Some(Term::choose((**condition).clone(), a?, b?));
+    }
     let Some(base) = constant_real(term) else {
-        findings.error_with(
-            codes::NOT_CONSTANT,
-            span,
-            "this quantity has to be a constant",
-            "use numbers, constants and parameters only",
-        );
+        not_constant(span, findings);
         return None;
     };
     let count = unit.count(base);
@@ -155,6 +155,16 @@ fn whole_count(
         );
     }
     count.map(Term::Int)
+}
+
+/// Reports a quantity whose number depends on variables.
+pub(super) fn not_constant(span: Span, findings: &mut Findings) {
+    findings.error_with(
+        codes::NOT_CONSTANT,
+        span,
+        "this quantity has to be a constant",
+        "use numbers, constants and parameters only; what varies is a variable with a unit, or a choice: `if x then 5 mm else 0 mm`",
+    );
 }
 
 /// Reports two numbers without a common unit.
