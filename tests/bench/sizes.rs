@@ -1,5 +1,6 @@
 //! Cost of a controller as a function of each size of the laboratory's contracts, one parameter at
-//! a time, and the total cost of the line at real size.
+//! a time, of one contract of each group of DIN 8580 at two sizes, and the total cost of the line at
+//! real size.
 //!
 //! Each row is one `linewright synth` as a user runs it, on a copy of the contract with another
 //! default for the parameter: user and system time of the process, the peak number of BDD nodes,
@@ -61,6 +62,257 @@ const SERIES: [Series; 5] = [
         file: "handling/inspect.lw",
         defaults: &["cells: 1..64 = 4"],
         rows: &[&[4], &[9], &[16], &[36], &[64]],
+    },
+];
+
+/// One contract of each group of DIN 8580 that has a size, by default and at the size of a plant.
+/// Group 1.10 is [`SERIES`]'s `Print`; the die casting machine of group 1.1 has no sizes.
+const GROUPS: [Series; 41] = [
+    Series {
+        contract: "InjectionMold",
+        file: "primary_shaping/injection_mold.lw",
+        defaults: &["dose: 1..20 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "SlipCast",
+        file: "primary_shaping/slip_cast.lw",
+        defaults: &["time: 1..60 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "PowderPress",
+        file: "primary_shaping/powder_press.lw",
+        defaults: &["deepest: 1..40 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "BoardPress",
+        file: "primary_shaping/board_press.lw",
+        defaults: &["close_steps: 1..60 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "VaporDeposit",
+        file: "primary_shaping/vapor_deposit.lw",
+        defaults: &["after: 1..20 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "Electroform",
+        file: "primary_shaping/electroform.lw",
+        defaults: &["target: 1..500 = 5"],
+        rows: &[&[5], &[40]],
+    },
+    Series {
+        contract: "ReversingMill",
+        file: "forming/reversing_mill.lw",
+        defaults: &["slab: 2..300 mm = 7"],
+        rows: &[&[7], &[56]],
+    },
+    Series {
+        contract: "DeepDraw",
+        file: "forming/deep_draw.lw",
+        defaults: &["full: 1..60 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "StretchForm",
+        file: "forming/stretch_form.lw",
+        defaults: &["final: 2..100 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "PressBrake",
+        file: "forming/press_brake.lw",
+        defaults: &["sync: 1..9 = 1"],
+        rows: &[&[1], &[8]],
+    },
+    Series {
+        contract: "TwistCrank",
+        file: "forming/twist_crank.lw",
+        defaults: &["turn: 1..36 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "Shear",
+        file: "separating/shear.lw",
+        defaults: &["room: 1..100 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "PeckDrill",
+        file: "separating/peck_drill.lw",
+        defaults: &["holes: 1..50 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "Grind",
+        file: "separating/grind.lw",
+        defaults: &["interval: 1..200 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "LaserCut",
+        file: "separating/laser_cut.lw",
+        defaults: &["patience: 1..20 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "Unscrew",
+        file: "separating/unscrew.lw",
+        defaults: &["screws: 1..12 = 2"],
+        rows: &[&[2], &[6]],
+    },
+    Series {
+        contract: "Wash",
+        file: "separating/wash.lw",
+        defaults: &["bath_time: 1..20 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "InsertPeg",
+        file: "joining/insert_peg.lw",
+        defaults: &["rings: 1..50 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "FillBottle",
+        file: "joining/fill_bottle.lw",
+        defaults: &["drip_time: 1..20 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "DriveScrew",
+        file: "joining/drive_screw.lw",
+        defaults: &["longest: 1..50 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "PotUnderVacuum",
+        file: "joining/pot_under_vacuum.lw",
+        defaults: &["pot_life: 2..100 = 7"],
+        rows: &[&[7], &[56]],
+    },
+    Series {
+        contract: "ClinchSheets",
+        file: "joining/clinch_sheets.lw",
+        defaults: &["streak: 2..10 = 2"],
+        rows: &[&[2], &[10]],
+    },
+    Series {
+        contract: "SpotWeld",
+        file: "joining/spot_weld.lw",
+        defaults: &["spots: 1..500 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "Braze",
+        file: "joining/braze.lw",
+        defaults: &["liquid_time: 2..50 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "BondParts",
+        file: "joining/bond_parts.lw",
+        defaults: &["open_time: 2..200 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "SewSeam",
+        file: "joining/sew_seam.lw",
+        defaults: &["stitches: 1..500 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "InkJetMark",
+        file: "coating/ink_jet_mark.lw",
+        defaults: &["serials: 2..999 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "FillSurface",
+        file: "coating/fill_surface.lw",
+        defaults: &["layers: 1..9 = 2"],
+        rows: &[&[2], &[9]],
+    },
+    Series {
+        contract: "PrintPaste",
+        file: "coating/print_paste.lw",
+        defaults: &["stiffens: search+2..90 = 6"],
+        rows: &[&[6], &[48]],
+    },
+    Series {
+        contract: "PowderCoat",
+        file: "coating/powder_coat.lw",
+        defaults: &["bake_time: 1..60 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "CladWeld",
+        file: "coating/clad_weld.lw",
+        defaults: &["beads: 1..40 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "BrazeHardface",
+        file: "coating/braze_hardface.lw",
+        defaults: &["wetting: 1..60 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "Sputter",
+        file: "coating/sputter.lw",
+        defaults: &["layers: 1..12 = 2"],
+        rows: &[&[2], &[12]],
+    },
+    Series {
+        contract: "Electroplate",
+        file: "coating/electroplate.lw",
+        defaults: &["dose: 2..60 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "ShotPeen",
+        file: "changing_properties/shot_peen.lw",
+        defaults: &["most: strokes..100 = 3"],
+        rows: &[&[3], &[24]],
+    },
+    Series {
+        contract: "Carburize",
+        file: "changing_properties/carburize.lw",
+        defaults: &["wanted: 1..50 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "PressHarden",
+        file: "changing_properties/press_harden.lw",
+        defaults: &["cavities: 1..8 = 2"],
+        rows: &[&[2], &[8]],
+    },
+    Series {
+        contract: "Sinter",
+        file: "changing_properties/sinter.lw",
+        defaults: &["quiet: 1..60 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "Magnetize",
+        file: "changing_properties/magnetize.lw",
+        defaults: &["pulses: 1..20 = 2"],
+        rows: &[&[2], &[16]],
+    },
+    Series {
+        contract: "UvCure",
+        file: "changing_properties/uv_cure.lw",
+        defaults: &["most: least+1..400 = 4"],
+        rows: &[&[4], &[32]],
+    },
+    Series {
+        contract: "ExposeResist",
+        file: "changing_properties/expose_resist.lw",
+        defaults: &["development: 1..100 = 2"],
+        rows: &[&[2], &[16]],
     },
 ];
 
@@ -148,7 +400,7 @@ fn main() {
     println!(
         "| contract | peak nodes | controller | synth | cc | object |\n|---|---:|---:|---:|---:|---:|"
     );
-    for series in &SERIES {
+    for series in SERIES.iter().chain(&GROUPS) {
         if asked.is_empty() || asked.iter().any(|a| *a == series.contract) {
             for sizes in series.rows {
                 row(series, sizes);
