@@ -671,7 +671,7 @@ fn expectations(rules: &[Rule]) -> String {
             continue;
         }
         let word = match rule {
-            Rule::name | Rule::path => "a name",
+            Rule::name | Rule::path | Rule::module => "a name",
             Rule::integer => "a whole number",
             Rule::expression
             | Rule::duration

@@ -226,7 +226,7 @@ impl Builder {
         let target = Children::of(pair).next();
         let span = self.span(&target);
         let text = target.as_str().trim();
-        let dotted = target.as_rule() == Rule::path;
+        let dotted = target.as_rule() == Rule::module;
         Import {
             path: text.trim_matches('"').to_owned(),
             dotted,
