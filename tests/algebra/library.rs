@@ -126,9 +126,9 @@ fn library() -> PathBuf {
     root().join("contracts")
 }
 
-/// All contracts, in order of their paths.
-fn entries() -> Vec<Entry> {
-    fn visit(folder: &Path, found: &mut Vec<Entry>) {
+/// The texts of all files, with their paths below `contracts`, in order.
+fn texts() -> Vec<(PathBuf, String)> {
+    fn visit(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
         let entries = std::fs::read_dir(folder).expect("a folder");
         for path in entries.map(|entry| entry.expect("an entry").path()) {
             if path.is_dir() {
@@ -136,15 +136,34 @@ fn entries() -> Vec<Entry> {
             } else if path.extension().is_some_and(|end| end == "lw") {
                 let text = std::fs::read_to_string(&path).expect("text");
                 let below = path.strip_prefix(library()).expect("a file of the library");
-                found.extend(Entry::read(below.to_owned(), &text));
+                found.push((below.to_owned(), text));
             }
         }
     }
     let mut found = Vec::new();
     visit(&library(), &mut found);
-    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found.sort();
+    found
+}
+
+/// Whether a file declares a machine. Contracts beside it simulate the plant.
+fn has_machine(text: &str) -> bool {
+    text.lines().any(|line| line.starts_with("machine "))
+}
+
+/// All contracts, in order of their paths.
+fn entries() -> Vec<Entry> {
+    let contracts = texts().into_iter().filter(|(_, text)| !has_machine(text));
+    let found = contracts.filter_map(|(path, text)| Entry::read(path, &text));
+    let found: Vec<Entry> = found.collect();
     assert!(found.len() >= 80, "only {} contracts", found.len());
     found
+}
+
+/// The texts of the files with machines, with their paths below `contracts`.
+fn machines() -> Vec<(PathBuf, String)> {
+    let texts = texts().into_iter();
+    texts.filter(|(_, text)| has_machine(text)).collect()
 }
 
 /// The contract with this text in the place of an entry; `None` if it has errors.
@@ -452,4 +471,54 @@ fn a_contract_promises_less_only_in_a_new_major_version() {
         "the library is still version {}, but a contract promises less than in {last}:\n{shown}",
         version()
     );
+}
+
+/// Each time, power and failure of a machine says where its figure comes from.
+#[test]
+fn each_figure_of_a_machine_names_its_source() {
+    let is_figure = |line: &str| {
+        let mut words = line.split_whitespace();
+        let (first, second) = (words.next(), words.next());
+        let is_binding = second == Some("=");
+        let is_statement = matches!(first, Some("step" | "power" | "idle" | "time" | "failures"));
+        is_statement && !is_binding
+    };
+    for (path, text) in machines() {
+        let path = path.display();
+        let figures = text.lines().filter(|line| is_figure(line));
+        let figures: Vec<&str> = figures.collect();
+        assert!(!figures.is_empty(), "{path}");
+        for line in figures {
+            let source = line.split_once("// ").map(|(_, source)| source.trim());
+            assert!(source.is_some_and(|s| !s.is_empty()), "{path}: {line}");
+        }
+        // A conveyor's failures are given in the line.
+        let fails = text.contains("\n    failures ");
+        assert!(fails || text.contains("import \"convey.lw\""), "{path}");
+    }
+}
+
+/// Each handling contract and each main group of DIN 8580 has a machine.
+#[test]
+fn handling_and_each_main_group_have_machines() {
+    let machines = machines();
+    for entry in entries() {
+        if let Ok(file) = entry.path.strip_prefix("handling") {
+            let import = format!("\"{}\"\n", file.display());
+            let uses = machines.iter().any(|(_, text)| text.contains(&import));
+            assert!(uses, "no machine uses {import}");
+        }
+    }
+    let groups = [
+        "primary_shaping",
+        "forming",
+        "separating",
+        "joining",
+        "coating",
+        "changing_properties",
+    ];
+    for group in groups {
+        let has = machines.iter().any(|(path, _)| path.starts_with(group));
+        assert!(has, "{group} has no machine");
+    }
 }

@@ -25,11 +25,15 @@ struct Entry {
     contract: Contract,
 }
 
-/// A machine of the library: its name, what it is imported as, and the contracts that it imports.
+/// A machine of the library.
 struct Machine {
     name: String,
-    import: String,
+    /// Below `contracts`, without the ending.
+    place: String,
+    /// The places of the contracts that it imports.
     uses: Vec<String>,
+    /// The first sentence of its comment.
+    summary: String,
 }
 
 /// The text of the files below `contracts`, by their places without the ending.
@@ -72,14 +76,29 @@ fn machines(texts: &BTreeMap<String, String>) -> Vec<Machine> {
         let declared = text
             .lines()
             .filter_map(|line| line.strip_prefix("machine "));
+        let group = place.split('/').next().unwrap_or_default();
         for name in declared.map(name_of) {
-            let uses = text
+            let uses = text.lines().filter_map(|line| {
+                let file = line.strip_prefix("import \"")?.strip_suffix(".lw\"")?;
+                let elsewhere = file.strip_prefix("../").map(str::to_owned);
+                Some(elsewhere.unwrap_or_else(|| format!("{group}/{file}")))
+            });
+            let comment = text
                 .lines()
-                .filter_map(|line| line.strip_prefix("import std."));
+                .take_while(|line| !line.starts_with("machine "));
+            let comment: Vec<&str> = comment.collect();
+            let start = comment.iter().rposition(|line| !line.starts_with("///"));
+            let comment = &comment[start.map_or(0, |line| line + 1)..];
+            let words = comment
+                .iter()
+                .map(|line| line.trim_start_matches('/').trim());
+            let words = words.collect::<Vec<_>>().join(" ");
+            let end = words.find(". ").map_or(words.len(), |end| end + 1);
             found.push(Machine {
                 name: name.to_owned(),
-                import: import(place),
-                uses: uses.map(|path| path.replace('.', "/")).collect(),
+                place: place.clone(),
+                uses: uses.collect(),
+                summary: words[..end].to_owned(),
             });
         }
     }
@@ -281,7 +300,7 @@ fn neighbours(entry: &Entry, entries: &[Entry], machines: &[Machine]) -> String 
         .iter()
         .filter(|machine| machine.uses.contains(&entry.place));
     let own: Vec<String> = own
-        .map(|machine| format!("`{}` (`import {}`)", machine.name, machine.import))
+        .map(|machine| format!("`{}` (`import {}`)", machine.name, import(&machine.place)))
         .collect();
     if !own.is_empty() {
         let _ = writeln!(
@@ -405,12 +424,28 @@ fn summaries() -> Vec<(String, BTreeMap<String, String>)> {
 }
 
 /// The page of a group: its contracts and its machines.
-fn group_page(heading: &str, rows: &BTreeMap<String, String>, all: &[Entry]) -> String {
+fn group_page(
+    heading: &str,
+    rows: &BTreeMap<String, String>,
+    entries: &[Entry],
+    machines: &[&Machine],
+) -> String {
     let mut text = format!("# {heading}\n\n| contract | what it does |\n|---|---|\n");
     for (place, summary) in rows {
-        if let Some(entry) = all.iter().find(|entry| entry.place == *place) {
+        if let Some(entry) = entries.iter().find(|entry| entry.place == *place) {
             let (name, stem) = (entry.name(), entry.stem());
             let _ = writeln!(text, "| [`{name}`]({stem}.md) | {summary} |");
+        }
+    }
+    if !machines.is_empty() {
+        text.push_str("\n## Machines\n\n| machine | import | what it is |\n|---|---|---|\n");
+        for machine in machines {
+            let (name, summary) = (&machine.name, &machine.summary);
+            let _ = writeln!(
+                text,
+                "| `{name}` | `{}` | {summary} |",
+                import(&machine.place)
+            );
         }
     }
     text
@@ -421,8 +456,8 @@ const FIRST_PAGE: &str = "\
 
 The program has a library of contracts of manufacturing actions. Each has a page here, with its text,
 its interface, the states of its controller, a good cycle as a timing diagram, and contracts that fit
-beside it. `linewright din search WORD` finds the code of a process, and `linewright din coverage` the
-contracts for each code.
+beside it. The page of a group lists its machines, too. `linewright din search WORD` finds the code of
+a process, and `linewright din coverage` the contracts for each code.
 
 ";
 
@@ -452,7 +487,9 @@ fn catalogue() -> (BTreeMap<PathBuf, String>, String) {
         let Some(group) = rows.keys().find_map(|place| place.split('/').next()) else {
             continue;
         };
-        let page = group_page(&heading, &rows, &entries);
+        let belongs = |machine: &&Machine| machine.place.split('/').next() == Some(group);
+        let group_machines: Vec<&Machine> = machines.iter().filter(belongs).collect();
+        let page = group_page(&heading, &rows, &entries, &group_machines);
         files.insert(PathBuf::from(format!("{group}/index.md")), page);
         let own = entries.iter().filter(|entry| entry.group() == group);
         let own: Vec<&Entry> = own.collect();
@@ -517,4 +554,16 @@ fn the_catalogue_is_up_to_date() {
         stale.is_empty(),
         "not what is generated in docs/library: {stale:?}; run INSTA_UPDATE=always cargo test --test program -- catalogue"
     );
+}
+
+/// Each file of the library can be imported by its name.
+#[test]
+fn each_import_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for place in texts().keys() {
+        let path = folder.path().join("import.lw");
+        std::fs::write(&path, format!("import {}\n", import(place))).expect("a file");
+        let (_, findings) = loaded(&path);
+        assert!(findings.is_empty(), "{place}: {findings:?}");
+    }
 }

@@ -5,6 +5,7 @@
 use super::imports::files_below;
 use super::support;
 use linewright::contract::{Library, load, picture as machine_picture};
+use linewright::diagnostics::Diagnostic;
 use linewright::gr1::{Time, VarId};
 use linewright::line::picture as line_picture;
 use quick_xml::Reader;
@@ -156,11 +157,11 @@ impl Drawing {
     }
 }
 
-/// What a file declares and imports, and the name of the file in it.
-pub(super) fn loaded(path: &Path) -> (Library, String) {
+/// What a file declares and imports, and what is found in it. Its name there is its path.
+pub(super) fn loaded(path: &Path) -> (Library, Vec<Diagnostic>) {
     let text = std::fs::read_to_string(path).expect("a file");
     let files = [(path.display().to_string(), text)];
-    let (library, _) = load(&files, &|wanted, from| {
+    load(&files, &|wanted, from| {
         let inner = wanted.strip_prefix("std.").map(|rest| {
             let relative = rest.replace('.', "/") + ".lw";
             support::root().join("contracts").join(relative)
@@ -169,14 +170,13 @@ pub(super) fn loaded(path: &Path) -> (Library, String) {
         let path = inner.unwrap_or_else(beside);
         let text = std::fs::read_to_string(&path).map_err(|e| e.to_string())?;
         Ok((path.display().to_string(), text))
-    });
-    let [(name, _)] = files;
-    (library, name)
+    })
 }
 
 /// The names of what a file declares.
 fn declared(path: &Path) -> Vec<String> {
-    let (library, name) = loaded(path);
+    let (library, _) = loaded(path);
+    let name = path.display().to_string();
     let is_own = |file| library.sources.file(file).name == name;
     let contracts = library.contracts.iter().map(|c| (&c.name, c.span));
     let machines = library.machines.iter().map(|m| (&m.name, m.span));

@@ -36,7 +36,7 @@ pub fn machines() -> &'static [Controlled] {
 
 /// All machines of some lines, each once, in order of occurrence.
 pub fn of_lines(paths: &[&str]) -> Vec<Controlled> {
-    let mut done: Vec<(Arc<Specification>, mealy::Machine)> = Vec::new();
+    let mut done = Vec::new();
     let mut machines: Vec<Controlled> = Vec::new();
     for path in paths {
         let file = crate::support::root().join(path).display().to_string();
@@ -53,17 +53,38 @@ pub fn of_lines(paths: &[&str]) -> Vec<Controlled> {
             if machines.iter().any(|m| m.machine.name == machine.name) {
                 continue;
             }
-            let controllers = machine.components.iter();
-            let controllers = controllers
-                .map(|c| controller(&c.specification, &mut done).into())
-                .collect();
-            machines.push(Controlled {
-                machine: Arc::clone(machine),
-                controllers: Arc::new(controllers),
-            });
+            machines.push(controlled(machine, &mut done));
         }
     }
     machines
+}
+
+/// All machines of the bundled library, in order of their files.
+pub fn of_library() -> &'static [Controlled] {
+    static MACHINES: OnceLock<Vec<Controlled>> = OnceLock::new();
+    MACHINES.get_or_init(|| {
+        let folder = crate::support::root().join("contracts");
+        let loaded = files::load(&[folder.display().to_string()], &StandardLibrary::default());
+        assert!(!has_errors(&loaded.findings), "{:?}", loaded.findings);
+        let mut done = Vec::new();
+        let machines = loaded.library.machines.iter();
+        machines
+            .map(|m| controlled(&Arc::new(m.clone()), &mut done))
+            .collect()
+    })
+}
+
+/// Controllers that were found, with their contracts.
+type Done = Vec<(Arc<Specification>, mealy::Machine)>;
+
+/// A machine with a controller for each of its components.
+fn controlled(machine: &Arc<Machine>, done: &mut Done) -> Controlled {
+    let controllers = machine.components.iter();
+    let controllers = controllers.map(|c| controller(&c.specification, done).into());
+    Controlled {
+        machine: Arc::clone(machine),
+        controllers: Arc::new(controllers.collect()),
+    }
 }
 
 /// The same machine with certified functions for each of its components.
@@ -86,10 +107,7 @@ pub fn as_functions(controlled: &Controlled) -> Controlled {
 }
 
 /// A verified controller; equal contracts are solved once.
-fn controller(
-    specification: &Arc<Specification>,
-    done: &mut Vec<(Arc<Specification>, mealy::Machine)>,
-) -> mealy::Machine {
+fn controller(specification: &Arc<Specification>, done: &mut Done) -> mealy::Machine {
     if let Some((_, machine)) = done.iter().find(|(s, _)| s == specification) {
         return machine.clone();
     }

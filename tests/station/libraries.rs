@@ -7,7 +7,7 @@ mod functions;
 mod layers;
 
 use crate::differential::{Random, assert_same, differential};
-use crate::{counting, fixtures};
+use crate::{counting, fixtures, laboratory};
 use linewright::mealy;
 use linewright::station::interpret::Interpreter;
 use linewright::station::load::Library;
@@ -34,6 +34,22 @@ fn library_and_interpreter_agree_step_by_step() {
             counts.of(ErrorCode::Internal) + counts.of(ErrorCode::Guarantee),
             0
         );
+    }
+}
+
+#[test]
+fn machines_of_the_bundled_library_agree_step_by_step() {
+    let folder = folder();
+    for controlled in laboratory::of_library() {
+        let (machine, controllers) = (&controlled.machine, &controlled.controllers);
+        let steps = 100_000;
+        let counts = differential(machine, controllers, steps, 23, folder.path());
+        println!("{}: {counts:?}", machine.name);
+        let faults = counts.of(ErrorCode::Internal) + counts.of(ErrorCode::Guarantee);
+        assert_eq!(faults, 0, "{}: {counts:?}", machine.name);
+        assert!(counts.ok > steps / 4, "{}: {counts:?}", machine.name);
+        let is_refused = counts.of(ErrorCode::Domain) > 0;
+        assert!(is_refused, "{}: {counts:?}", machine.name);
     }
 }
 

@@ -351,6 +351,10 @@ fn values_are_as_in_the_file() {
             }
             let set = with(&case, &[setting(&number.names[0], &other)]);
             let file = loaded.library.sources.file(place.file);
+            if !std::path::Path::new(&file.name).is_file() {
+                // The bundled library is not edited.
+                continue;
+            }
             let (start, end) = (place.start as usize, place.end as usize);
             let edited = [&file.text[..start], &other, &file.text[end..]].concat();
             std::fs::write(&file.name, edited).expect("a file");

@@ -55,7 +55,17 @@ pub fn shipped() -> &'static [Subject] {
     })
 }
 
-/// One of them.
+/// Every machine of the bundled library.
+pub fn of_library() -> Vec<Subject> {
+    let machines = laboratory::of_library().iter();
+    let subjects = machines.map(|c| {
+        let controllers = Arc::clone(&c.controllers);
+        Subject::of((Arc::clone(&c.machine), controllers))
+    });
+    subjects.collect()
+}
+
+/// One of those that are shipped with the examples.
 pub fn named(name: &str) -> Subject {
     let found = shipped().iter().find(|s| s.name() == name);
     found.expect("a machine of that name").clone()

@@ -4,12 +4,13 @@
 //! components; on the others enough that each kind of call is frequent, and all together stay
 //! within a minute and a half.
 
-use super::machines::{Subject, as_functions, fixtures, named, shipped};
+use super::machines::{Subject, as_functions, fixtures, named, of_library, shipped};
 use super::programs::{Host, Prepared};
 
-/// Number of calls of the long run, and of the others.
+/// Number of calls of the long run, of the others, and of those on the many machines of the library.
 const MANY: u64 = 10_000_000;
 const SOME: u64 = 200_000;
+const FEW: u64 = 20_000;
 
 /// The machine of the long run.
 const LONG: &str = "AssemblyCell";
@@ -37,6 +38,22 @@ fn on_windows() {
     let Some(host) = Host::windows() else { return };
     for subject in shipped() {
         host.passes(&Prepared::new(subject), calls(subject));
+    }
+}
+
+#[test]
+fn the_library_on_this_computer() {
+    let host = Host::native();
+    for subject in of_library() {
+        host.passes(&Prepared::new(&subject), FEW);
+    }
+}
+
+#[test]
+fn the_library_on_windows() {
+    let Some(host) = Host::windows() else { return };
+    for subject in of_library() {
+        host.passes(&Prepared::new(&subject), FEW);
     }
 }
 
