@@ -84,8 +84,10 @@ pub enum End {
     Products,
     /// The end of the simulated time was reached.
     Time,
-    /// The line can no longer advance, or makes no progress.
+    /// The line can no longer advance.
     Blocked,
+    /// The line makes no progress, although parts move.
+    NoProgress,
     /// A conveyor's controller lost or doubled a part.
     PartLost,
     /// The wall-clock deadline was reached.
@@ -98,7 +100,7 @@ impl End {
         match self {
             Self::Products => "products",
             Self::Time => "time",
-            Self::Blocked => "blocked",
+            Self::Blocked | Self::NoProgress => "blocked",
             Self::PartLost => "part_lost",
             Self::GaveUp => "gave_up",
         }

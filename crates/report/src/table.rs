@@ -56,6 +56,7 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
         End::Products => "",
         End::Time => " (the end time was reached)",
         End::Blocked => " (the line can no longer advance)",
+        End::NoProgress => " (the line makes no progress)",
         End::PartLost => " (a conveyor lost a part)",
         End::GaveUp => " (the time limit was reached)",
     };

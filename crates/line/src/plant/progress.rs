@@ -145,7 +145,7 @@ impl Run<'_> {
                     .with_help("End it earlier with --parts or --until."),
             );
         } else if self.progress.is_stuck_at_instant() {
-            self.end = Some(End::Blocked);
+            self.end = Some(End::NoProgress);
             let message = format!(
                 "the line makes no progress (livelock): at {}, parts keep moving without any time passing",
                 self.moment()
@@ -161,7 +161,7 @@ impl Run<'_> {
                 .progress
                 .makes_no_products(self.events, self.journal.violation_count)
         {
-            self.end = Some(End::Blocked);
+            self.end = Some(End::NoProgress);
             let refused = self.journal.violation_count - self.progress.violations_at_product;
             let since = if refused > MAX_VIOLATIONS_WITHOUT_PRODUCT {
                 format!("while {refused} parts were refused")

@@ -75,6 +75,7 @@ fn ending(end: End) -> &'static str {
         End::Products => "The run ended with the last product that was asked for.",
         End::Time => "The run ended at its end time.",
         End::Blocked => "The run ended early: the line can no longer advance.",
+        End::NoProgress => "The run ended early: the line makes no progress.",
         End::PartLost => "The run ended early: a conveyor lost a part.",
         End::GaveUp => "The run was cut off at the time limit.",
     }
