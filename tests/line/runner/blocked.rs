@@ -114,7 +114,7 @@ fn rejected_parts_that_nobody_orders_again() {
     let trace = builder.run(5);
     assert_eq!((trace.end, trace.products), (End::Blocked, 4));
     insta::assert_snapshot!(text(&trace), @r#"
-    LW405: cell: the assumption "turn: gripped" was broken at 0:00:01, at work on Part 2: turn: the assumption gripped does not hold in step 3
+    LW405: cell: the assumption "turn: gripped" was broken at 0:00:01, when it began work on Part 2: turn: the assumption gripped does not hold in step 3
       Compare the rule with the part's properties and the machine's bindings.
     LW403: the line can no longer advance at 0:00:04, with 4 of 5 products made: nothing is left to do: printer has made all 5 that were ordered, and 1 part was rejected and not ordered again
       Let a source make more parts (a sink that rejects parts can order replacements), or require fewer products.
@@ -151,7 +151,7 @@ fn a_circle_without_time_ends() {
         .sink("sink")
         .route("Part", &["source", "a", "b", "a"]);
     let trace = builder.run(1);
-    assert_eq!(trace.end, End::Blocked);
+    assert_eq!(trace.end, End::NoProgress);
     insta::assert_snapshot!(text(&trace), @"
     LW403: the line makes no progress (livelock): at 0:00:00, parts keep moving without any time passing
       Look for a source without an interval, a cycle of routes without a station, or a station that refuses every part and has it reordered.
@@ -168,7 +168,7 @@ fn a_station_that_refuses_everything_ends() {
         .scrap("scrap", Some("printer"))
         .route("Part", &["printer", "cell", "sink"]);
     let trace = builder.run(1);
-    assert_eq!(trace.end, End::Blocked);
+    assert_eq!(trace.end, End::NoProgress);
     assert_eq!(trace.findings.len(), 2);
     assert!(trace.violations.len() == 1000 && trace.violation_count > 1000);
 }
@@ -186,7 +186,7 @@ fn a_line_that_only_makes_scrap_ends() {
         ..Options::default()
     };
     let trace = builder.plant(options).run();
-    assert_eq!(trace.end, End::Blocked);
+    assert_eq!(trace.end, End::NoProgress);
     insta::assert_snapshot!(text(&trace), @"
     LW403: the line makes no progress: it made 0 of 1 products, and none in the last 5000000 events
       Find the rule that refuses the parts, or the reason why all are rejected; --until ends a run at a given time.

@@ -68,7 +68,13 @@ impl Run<'_> {
                 (None, _) => "the controller refused a call".to_owned(),
             };
             let work = part.map_or(String::new(), |(number, kind)| {
-                format!(", at work on {} {number}", self.type_name(kind))
+                // A value is outside its domain when the part is joined, or when the work ends.
+                let when = if error.code == ErrorCode::Domain {
+                    "at work on"
+                } else {
+                    "when it began work on"
+                };
+                format!(", {when} {} {number}", self.type_name(kind))
             });
             let message = format!(
                 "{}: {rule} at {}{work}: {}",
