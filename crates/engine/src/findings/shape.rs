@@ -8,6 +8,7 @@ use linewright_core::gr1::text::text;
 use linewright_core::gr1::{
     BinaryOp, Expr, Formula, FormulaKind, Owner, Side, Specification, Time, VarId,
 };
+use linewright_core::source::Span;
 use linewright_interchange::Format;
 use linewright_solver::game::{GuaranteeRef, WeaknessFindings, negation};
 
@@ -22,6 +23,26 @@ fn is_reported(side: &Side, at: GuaranteeRef, idle: &[GuaranteeRef]) -> bool {
     let siblings: Vec<GuaranteeRef> = siblings.collect();
     let first = idle.iter().find(|other| siblings.contains(other));
     first == Some(&at) && siblings.iter().all(|sibling| idle.contains(sibling))
+}
+
+/// Places of the first guarantees, besides one, that are about the next value of a variable.
+fn others_about_next(s: &Specification, variable: VarId, besides: &Formula) -> Vec<Span> {
+    const MOST: usize = 3;
+    let is_about = |formula: &&Formula| {
+        let mut is_about = false;
+        formula.expr.for_each_var(&mut |v, time| {
+            is_about |= v == variable && time == Time::Next;
+        });
+        is_about && !formula.defines && formula.span != besides.span
+    };
+    let mut spans: Vec<Span> = Vec::new();
+    for formula in s.guarantees.safety.iter().filter(is_about) {
+        if !spans.contains(&formula.span) {
+            spans.push(formula.span);
+        }
+    }
+    spans.truncate(MOST);
+    spans
 }
 
 /// Returns the findings. If a `format` is given, suggestions are in the notation of that tool
@@ -130,7 +151,7 @@ pub fn findings(
         }
         framed.push(span);
         let fixer = formula(&unframed.fixed_by);
-        findings.push(
+        let mut finding =
             Diagnostic::warning(
                 codes::UNFRAMED,
                 span,
@@ -140,14 +161,17 @@ pub fn findings(
             )
             .with_label(
                 fixer.span,
-                format!("in all other situations, this formula determines the next value of `{name}`"),
+                format!("in other situations, this formula determines the next value of `{name}`"),
             )
             .with_note(match shown(s, &unframed.situation) {
                 Some(values) => format!("one such situation is {values}"),
                 None => "this is the case in every situation that can occur".to_owned(),
             })
-            .with_help(frame(s, format, unframed.variable)),
-        );
+            .with_help(frame(s, format, unframed.variable));
+        for span in others_about_next(s, unframed.variable, fixer) {
+            finding = finding.with_label(span, "this formula is also about its next value");
+        }
+        findings.push(finding);
     }
     for request in &found.requests {
         let (name, span) = variable(request.output);
