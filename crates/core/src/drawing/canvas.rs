@@ -29,8 +29,12 @@ const MARK: &str = "fill=\"dimgray\"";
 pub(super) const FRAME: &str =
     "rx=\"8\" fill=\"whitesmoke\" stroke=\"dimgray\" stroke-dasharray=\"6 4\"";
 
-/// Style of the background of a label, so that lines behind the text do not cross it.
+/// Style of the background of a label, where the line of its own link is interrupted.
 const BACKGROUND: &str = "fill=\"white\" fill-opacity=\"0.85\"";
+
+/// Style of a text that can be on lines of other links.
+const HALO: &str =
+    " stroke=\"white\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
 
 /// Style of the frame of a region.
 pub(super) const REGION: &str =
@@ -55,6 +59,8 @@ pub(super) struct Text {
     /// Font size in SVG units.
     pub font: f64,
     pub is_bold: bool,
+    /// Whether it has a white border, so that it can be read on lines.
+    pub has_halo: bool,
     pub content: String,
 }
 
@@ -129,21 +135,35 @@ impl Canvas {
         self.lines(middle, label, STATE_FONT, true);
     }
 
-    /// Adds the label of a link around its center, with room for it.
+    /// Adds the background of the label of a link around its center.
+    pub fn background(&mut self, center: Point, label: &[String]) {
+        self.rectangle(center, background_size(label), BACKGROUND);
+    }
+
+    /// Adds the label of a link around its center, without its background.
     pub fn label(&mut self, center: Point, label: &[String]) {
-        let size = text::size(label, LABEL_FONT, false);
-        let inner = Size {
-            width: size.width - 12.0,
-            height: size.height - 8.0,
-        };
-        self.rectangle(center, inner, BACKGROUND);
-        self.lines(center, label, LABEL_FONT, false);
+        self.texts(center, label, LABEL_FONT, (false, true));
     }
 
     /// Adds lines around a center. If the text has a heading, that is its first line.
     pub fn lines(&mut self, center: Point, lines: &[String], font: f64, has_heading: bool) {
+        self.texts(center, lines, font, (has_heading, false));
+    }
+
+    fn texts(
+        &mut self,
+        center: Point,
+        lines: &[String],
+        font: f64,
+        (has_heading, has_halo): (bool, bool),
+    ) {
         let first = center.y - (lines.len() as f64 - 1.0) * LINE / 2.0 * font + 0.35 * font;
-        for (index, line) in lines.iter().enumerate() {
+        // An empty line only separates others.
+        let shown = lines
+            .iter()
+            .enumerate()
+            .filter(|(_, line)| !line.is_empty());
+        for (index, line) in shown {
             self.shapes.push(Shape::Text(Text {
                 at: Point {
                     x: center.x,
@@ -152,6 +172,7 @@ impl Canvas {
                 anchor: Anchor::Middle,
                 font,
                 is_bold: has_heading && index == 0,
+                has_halo,
                 content: line.clone(),
             }));
         }
@@ -172,6 +193,7 @@ impl Canvas {
             anchor: Anchor::Start,
             font,
             is_bold,
+            has_halo: false,
             content: content.to_owned(),
         }));
     }
@@ -249,6 +271,15 @@ pub(super) fn box_size(label: &[String], style: BoxStyle) -> Size {
     }
 }
 
+/// Size of the background of the label of a link.
+pub(super) fn background_size(label: &[String]) -> Size {
+    let size = text::size(label, LABEL_FONT, false);
+    Size {
+        width: size.width - 12.0,
+        height: size.height - 8.0,
+    }
+}
+
 /// Size of the label of a link; 0 by 0 without one.
 pub(super) fn label_size(label: &[String]) -> Size {
     if label.is_empty() {
@@ -292,6 +323,7 @@ fn write_shape(output: &mut String, shape: &Shape) {
             } else {
                 ""
             };
+            let halo = if text.has_halo { HALO } else { "" };
             // A wider font in place of Helvetica is squeezed, so that texts never overlap.
             let width = text::width(&text.content, text.font, text.is_bold);
             let length = if text.content.is_ascii() && width > 0.0 {
@@ -301,7 +333,7 @@ fn write_shape(output: &mut String, shape: &Shape) {
             };
             writeln!(
                 output,
-                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{}\"{weight}{anchor}{length}>{}</text>",
+                "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"{}\"{weight}{anchor}{halo}{length}>{}</text>",
                 text.at.x,
                 text.at.y,
                 text.font,

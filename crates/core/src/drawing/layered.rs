@@ -1,7 +1,7 @@
 //! A graph drawn in layers, as it is.
 
 use super::Graph;
-use super::canvas::{Canvas, FRAME, STATE_FONT, Shape, box_size, label_size};
+use super::canvas::{Canvas, FRAME, STATE_FONT, Shape, background_size, box_size, label_size};
 use super::fold::place_in_rows;
 use super::layers::{
     Direction, Frame, Link, Placement, Point, SIDE, Size, Spacing, place_in_frames,
@@ -68,10 +68,15 @@ fn drawn(graph: &Graph, placed: &Placed, arrow: fn(Vec<Point>) -> Shape) -> Canv
     for frame in &placement.frames {
         canvas.rectangle(frame.center, frame.size, FRAME);
     }
-    // All arrows are below all labels.
-    for link in &placement.links {
+    // A label interrupts its own arrow, and other arrows only if it cannot be avoided.
+    for number in order_of_links(graph, placement) {
+        let link = &placement.links[number];
         canvas.shapes.push(arrow(link.points.clone()));
+        if let Some(at) = link.label {
+            canvas.background(at, &graph.edges[number].label);
+        }
     }
+    // All arrows are below the texts of all labels.
     for (edge, link) in graph.edges.iter().zip(&placement.links) {
         if let Some(at) = link.label {
             canvas.label(at, &edge.label);
@@ -93,6 +98,57 @@ fn drawn(graph: &Graph, placed: &Placed, arrow: fn(Vec<Point>) -> Shape) -> Canv
     canvas
 }
 
+/// The order in which links are drawn: one comes before those that lead over its label, as far as
+/// possible.
+fn order_of_links(graph: &Graph, placement: &Placement) -> Vec<usize> {
+    let links = &placement.links;
+    let leads_over = |over: usize, number: usize| {
+        let Some(label) = links[number].label else {
+            return false;
+        };
+        let size = background_size(&graph.edges[number].label);
+        let is_near = |at: Point| {
+            (at.x - label.x).abs() <= size.width / 2.0
+                && (at.y - label.y).abs() <= size.height / 2.0
+        };
+        over != number && points_along(&links[over].points).any(is_near)
+    };
+    // By link: those that lead over its label.
+    let mut after: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
+    let mut before = vec![0_usize; links.len()];
+    for number in 0..links.len() {
+        for over in (0..links.len()).filter(|over| leads_over(*over, number)) {
+            after[number].push(over);
+            before[over] += 1;
+        }
+    }
+    let mut left: Vec<usize> = (0..links.len()).collect();
+    let mut order = Vec::with_capacity(links.len());
+    while let Some(place) = (0..left.len()).min_by_key(|place| before[left[*place]]) {
+        let number = left.remove(place);
+        for over in &after[number] {
+            before[*over] -= 1;
+        }
+        order.push(number);
+    }
+    order
+}
+
+/// Points along straight pieces, at most a [`STEP`] apart.
+fn points_along(points: &[Point]) -> impl Iterator<Item = Point> + '_ {
+    points.windows(2).flat_map(|piece| {
+        let (from, to) = (piece[0], piece[1]);
+        let count = ((to.x - from.x).hypot(to.y - from.y) / STEP).ceil();
+        (0..=count as usize).map(move |step| {
+            let part = step as f64 / count.max(1.0);
+            Point {
+                x: from.x + (to.x - from.x) * part,
+                y: from.y + (to.y - from.y) * part,
+            }
+        })
+    })
+}
+
 /// Distance between places for a title that are tried, and between points of a link that are
 /// looked at, in SVG units.
 const STEP: f64 = 5.0;
@@ -106,16 +162,7 @@ fn title_at(number: usize, size: Size, graph: &Graph, placed: &Placed) -> Point 
     let mut taken: Vec<(Point, Size)> = boxes.zip(placed.boxes.iter().copied()).collect();
     for (edge, link) in graph.edges.iter().zip(&placement.links) {
         taken.extend(link.label.map(|at| (at, label_size(&edge.label))));
-        for piece in link.points.windows(2) {
-            let (from, to) = (piece[0], piece[1]);
-            let count = ((to.x - from.x).hypot(to.y - from.y) / STEP).ceil();
-            for step in 0..=count as usize {
-                let part = step as f64 / count.max(1.0);
-                let x = from.x + (to.x - from.x) * part;
-                let y = from.y + (to.y - from.y) * part;
-                taken.push((Point { x, y }, Size::default()));
-            }
-        }
+        taken.extend(points_along(&link.points).map(|at| (at, Size::default())));
     }
     for (other, placed) in placement.frames.iter().enumerate() {
         let is_inside =
@@ -174,29 +221,98 @@ fn placed(graph: &Graph, direction: Direction) -> Placed {
     if !is_automaton && grow(&mut boxes, &links, &placement, direction) {
         placement = place(&boxes);
     }
+    if !is_automaton {
+        straighten(&links, &mut placement, direction);
+    }
     Placed { placement, boxes }
+}
+
+/// How far the links at a crowded side lead straight away from the box, and where they then bend; at
+/// most these parts of the way to the next layer.
+const STRAIGHT: [f64; 2] = [12.0, 24.0];
+const STRAIGHT_PARTS: [f64; 2] = [0.4, 0.8];
+
+/// Lets the links at the crowded sides of boxes end at right angles to them: steep ones would lie on
+/// one another, with their heads.
+fn straighten(links: &[Link], placement: &mut Placement, direction: Direction) {
+    let ends = link_ends(links, placement, direction);
+    for (number, link) in links.iter().enumerate() {
+        let sides = sides_of(link, &placement.links[number].points, placement, direction);
+        let Some(sides) = sides else { continue };
+        let is_crowded = |end: usize| {
+            let (of, is_behind) = sides[end];
+            ends[of][usize::from(is_behind)] > MANY
+        };
+        // The points at which a link is straight, and bends, from its end on.
+        let straight = |end: Point, next: Point, is_behind: bool| {
+            let gap = match direction {
+                Direction::Down => (next.y - end.y).abs(),
+                Direction::Right => (next.x - end.x).abs(),
+            };
+            let sign = if is_behind { 1.0 } else { -1.0 };
+            [0, 1].map(|bend| {
+                let distance = sign * STRAIGHT[bend].min(STRAIGHT_PARTS[bend] * gap);
+                match direction {
+                    Direction::Down => Point {
+                        y: end.y + distance,
+                        ..end
+                    },
+                    Direction::Right => Point {
+                        x: end.x + distance,
+                        ..end
+                    },
+                }
+            })
+        };
+        let crowded = [is_crowded(0), is_crowded(1)];
+        let points = &mut placement.links[number].points;
+        let last = points.len();
+        if crowded[1] {
+            let [near, far] = straight(points[last - 1], points[last - 2], sides[1].1);
+            points.splice(last - 1..last - 1, [far, near]);
+        }
+        if crowded[0] {
+            let bends = straight(points[0], points[1], sides[0].1);
+            points.splice(1..1, bends);
+        }
+    }
+}
+
+/// The box at each end of a link, and whether the end is behind its center; `None` for a loop.
+fn sides_of(
+    link: &Link,
+    points: &[Point],
+    placement: &Placement,
+    direction: Direction,
+) -> Option<[(usize, bool); 2]> {
+    if link.from == link.to {
+        return None;
+    }
+    let ends = [(link.from, points.first()?), (link.to, points.last()?)];
+    Some(ends.map(|(of, at)| {
+        let center = placement.boxes[of];
+        let is_behind = match direction {
+            Direction::Down => at.y > center.y,
+            Direction::Right => at.x > center.x,
+        };
+        (of, is_behind)
+    }))
+}
+
+/// By box: the numbers of the links that end before and behind its center.
+fn link_ends(links: &[Link], placement: &Placement, direction: Direction) -> Vec<[usize; 2]> {
+    let mut ends = vec![[0_usize; 2]; placement.boxes.len()];
+    let placed = links.iter().zip(&placement.links);
+    let sides = placed.filter_map(|(link, of)| sides_of(link, &of.points, placement, direction));
+    for (of, is_behind) in sides.flatten() {
+        ends[of][usize::from(is_behind)] += 1;
+    }
+    ends
 }
 
 /// Enlarges the boxes that are crowded; returns whether there are any.
 fn grow(boxes: &mut [Size], links: &[Link], placement: &Placement, direction: Direction) -> bool {
-    // The numbers of links before and behind each box.
-    let mut ends = vec![[0_usize; 2]; boxes.len()];
-    for (link, placed) in links.iter().zip(&placement.links) {
-        if link.from == link.to {
-            continue;
-        }
-        let [Some(first), Some(last)] = [placed.points.first(), placed.points.last()] else {
-            continue;
-        };
-        for (of, at) in [(link.from, first), (link.to, last)] {
-            let center = placement.boxes[of];
-            let is_behind = match direction {
-                Direction::Down => at.y > center.y,
-                Direction::Right => at.x > center.x,
-            };
-            ends[of][usize::from(is_behind)] += 1;
-        }
-    }
+    let ends = link_ends(links, placement, direction);
     let mut has_grown = false;
     for (size, [before, behind]) in boxes.iter_mut().zip(ends) {
         let count = before.max(behind);
@@ -232,6 +348,7 @@ fn measured(graph: &Graph) -> (Vec<Size>, Vec<Link>) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::layers::PlacedLink;
     use super::super::{BoxStyle, Edge};
     use super::*;
 
@@ -270,6 +387,50 @@ mod tests {
             .windows(2)
             .filter(|pair| (pair[0].0 - pair[1].0).abs() < 0.1);
         pairs.fold(f64::MAX, |least, pair| least.min(pair[1].1 - pair[0].1))
+    }
+
+    #[test]
+    fn links_of_a_crowded_box_end_at_right_angles() {
+        let graph = star(10, BoxStyle::Block);
+        let placed = placed(&graph, Direction::Right);
+        for (edge, link) in graph.edges.iter().zip(&placed.placement.links) {
+            let count = link.points.len();
+            let (end, next) = match edge.from {
+                Some(0) => (link.points[0], link.points[1]),
+                _ => (link.points[count - 1], link.points[count - 2]),
+            };
+            assert!((end.y - next.y).abs() < 0.1 && (end.x - next.x).abs() > 1.0);
+        }
+    }
+
+    #[test]
+    fn a_label_does_not_interrupt_the_links_of_others() {
+        let edge = |from, to, label: &str| Edge {
+            from: Some(from),
+            to,
+            label: vec![label.to_owned()],
+        };
+        let graph = Graph {
+            states: vec![vec!["a".to_owned()], vec!["b".to_owned()]],
+            edges: vec![edge(0, 1, "over"), edge(0, 1, "under")],
+            ..Graph::default()
+        };
+        let point = |x, y| Point { x, y };
+        let link = |points: &[Point], label| PlacedLink {
+            points: points.to_vec(),
+            label: Some(label),
+        };
+        let placement = Placement {
+            size: Size::default(),
+            boxes: Vec::new(),
+            // The first leads through the label of the second.
+            links: vec![
+                link(&[point(0.0, 0.0), point(100.0, 0.0)], point(20.0, 0.0)),
+                link(&[point(80.0, -50.0), point(80.0, 50.0)], point(80.0, 0.0)),
+            ],
+            frames: Vec::new(),
+        };
+        assert_eq!(order_of_links(&graph, &placement), [1, 0]);
     }
 
     #[test]

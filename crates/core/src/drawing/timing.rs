@@ -213,6 +213,7 @@ impl Part<'_> {
                     anchor: Anchor::Middle,
                     font: FONT,
                     is_bold: false,
+                    has_halo: false,
                     content: (self.diagram.first + step).to_string(),
                 }));
             }

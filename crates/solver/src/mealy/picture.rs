@@ -46,6 +46,10 @@ pub fn to_graph(machine: &Machine, goals: &[&str]) -> Graph {
             let groups = outputs.len();
             let mut label = Vec::new();
             for (output, guards) in outputs.into_iter().take(MAX_GROUPS) {
+                // An empty line separates the groups.
+                if !label.is_empty() {
+                    label.push(String::new());
+                }
                 label.extend(guard_lines(machine, &guards));
                 let pairs = machine.outputs.iter().zip(output).zip(&common[to]);
                 let own: Vec<String> = pairs
