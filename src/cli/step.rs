@@ -134,7 +134,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             contract,
             definitions: library.definitions_of(contract),
             person: terminal.session.person(),
-            steps: terminal.session.steps(),
+            player: &player(arguments),
+            plays: &terminal.session.plays(),
             commands: &terminal.commands,
             over: over.as_deref(),
             origin: page::origin(&command, &library.sources, &loaded.findings),
@@ -142,6 +143,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         code = code.and(file.write(&text, console, &library.sources)?);
     }
     Ok(code)
+}
+
+/// Where the commands of a play come from, as the subject of a sentence.
+fn player(arguments: &Arguments) -> String {
+    match &arguments.script {
+        Some(path) => format!("The script {}", path.display()),
+        None if std::io::stdin().is_terminal() => "A person".to_owned(),
+        None => "Commands from standard input".to_owned(),
+    }
 }
 
 /// Returns the person's opponent, or findings if there is none.

@@ -19,6 +19,8 @@ pub struct Session<'a> {
     opponent: Opponent,
     /// Values of all variables in each step so far.
     pub(super) steps: Vec<Vec<i64>>,
+    /// The steps of the plays that were ended by a reset.
+    earlier: Vec<Vec<Vec<i64>>>,
     /// Positions of the opponent: before each step, and the current one.
     positions: Vec<Position>,
     /// Values of the last refused move; `None` if a move was made since then.
@@ -68,15 +70,18 @@ impl<'a> Session<'a> {
             },
             opponent,
             steps: Vec::new(),
+            earlier: Vec::new(),
             positions,
             refused: None,
             random_state: seed,
         }
     }
 
-    /// Values of all variables in each step so far.
-    pub fn steps(&self) -> &[Vec<i64>] {
-        &self.steps
+    /// Values of all variables in each step so far: of the plays that a reset ended, and last those
+    /// of the current one.
+    pub fn plays(&self) -> Vec<&[Vec<i64>]> {
+        let earlier = self.earlier.iter().map(Vec::as_slice);
+        earlier.chain([self.steps.as_slice()]).collect()
     }
 
     /// The side that the person plays.
@@ -149,6 +154,9 @@ impl<'a> Session<'a> {
                 said(self.current_step())
             }
             Command::Reset => {
+                if !self.steps.is_empty() {
+                    self.earlier.push(self.steps.clone());
+                }
                 self.back_to(0);
                 said(self.current_step())
             }

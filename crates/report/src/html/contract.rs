@@ -1,12 +1,13 @@
 //! Parts of pages that show a contract: its interface, its rules, and plays as timing diagrams.
 
-use super::parts::{behind, drawing, table, table_of};
+use super::parts::{behind, drawing, formula, table, table_of};
 use linewright_core::drawing::timing::{self, Level};
 use linewright_core::gr1::{FormulaKind, Owner, Specification, VarId, Variable, diagram};
 use linewright_core::source::{SourceMap, Span};
-use linewright_core::taxonomy;
+use linewright_core::taxonomy::{self, Standard};
 use linewright_language::contract::{Contract, Definition};
 use maud::{Markup, html};
+use std::collections::BTreeSet;
 
 /// Maximum number of steps in a timing diagram.
 const MAX_STEPS: usize = 400;
@@ -19,9 +20,34 @@ pub fn description(contract: &Contract) -> Markup {
             p { @for (index, code) in contract.codes.iter().enumerate() {
                 @if index > 0 { "; " }
                 code { (code.text) }
-                @if let Some(entry) = taxonomy::find(&code.text) { " " (entry.english) }
+                @if let Some(entry) = taxonomy::find(&code.text) { " " (entry.english) " (" (entry.standard.title()) ")" }
             } }
         }
+    }
+}
+
+/// The standards from which codes such as `vdi:Drehen` are, as a sentence; `None` without codes.
+pub fn standards<'a>(codes: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let found = codes.into_iter().filter_map(taxonomy::find);
+    let standards: BTreeSet<Standard> = found.map(|entry| entry.standard).collect();
+    let each = standards.iter().map(|standard| {
+        let what = match standard {
+            Standard::Din8580 => "manufacturing processes",
+            Standard::Vdi2860 => "handling functions",
+        };
+        format!("{}: {} ({what})", standard.prefix(), standard.title())
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| format!("Codes are from these standards: {}.", each.join("; ")))
+}
+
+/// The parameters of a contract with the values for which it is shown.
+pub fn parameters(contract: &Contract) -> Markup {
+    let values = contract.arguments.iter();
+    let values = values.map(|(name, value)| format!("{name} = {value}"));
+    let values: Vec<String> = values.collect();
+    html! {
+        @if !values.is_empty() { p { "Parameters, with the values that they have here: " code { (values.join(", ")) } "." } }
     }
 }
 
@@ -92,7 +118,7 @@ pub fn rules(
                 th scope="row" { (formula.name) @if let Some(id) = &formula.requirement { br; small { (id) } } }
                 td { (kind) }
                 td { (time(when)) }
-                td { code { (formula.text) } }
+                td { (self::formula(&formula.text)) }
                 td { (place(formula.span)) }
             } } }
         }))
@@ -101,7 +127,7 @@ pub fn rules(
             (table_of("Definitions", &["Name", "Stands for", "Place"], &html! {
                 @for definition in definitions { tr {
                     th scope="row" { code { (definition.name) } }
-                    td { code { (definition.text) } }
+                    td { (formula(&definition.text)) }
                     td { (place(definition.span)) }
                 } }
             }))

@@ -162,13 +162,54 @@ pub fn findings(sources: &SourceMap, findings: &[Finding]) -> Markup {
     }
 }
 
+/// Signs of formulas, of which those that contain others come first. A browser would break them.
+const SIGNS: [&str; 5] = ["<->", "->", "<=", ">=", "!="];
+
+/// A formula as code.
+pub fn formula(text: &str) -> Markup {
+    html! { code { (unbroken(text)) } }
+}
+
+/// A text in which no line ends within a sign such as `->`, which would read as `-` and `>`.
+pub fn unbroken(text: &str) -> Markup {
+    let mut pieces: Vec<(&str, &str)> = Vec::new();
+    let mut rest = text;
+    loop {
+        let signs = SIGNS
+            .iter()
+            .filter_map(|sign| Some((rest.find(sign)?, sign)));
+        // Of signs at the same place, the first.
+        let Some((at, sign)) = signs.min_by_key(|(at, _)| *at) else {
+            break;
+        };
+        let end = at + sign.len();
+        pieces.push((&rest[..at], &rest[at..end]));
+        rest = &rest[end..];
+    }
+    html! { @for (before, sign) in pieces { (before) span.sign { (sign) } } (rest) }
+}
+
+/// Names, of which long ones may be broken behind an underscore.
+pub fn names(text: &str) -> Markup {
+    /// Number of characters from which on a word is long.
+    const LONG: usize = 20;
+    html! {
+        @for (number, word) in text.split(' ').enumerate() {
+            @if number > 0 { " " }
+            @if word.chars().count() < LONG { (word) } @else {
+                @for piece in word.split_inclusive('_') { (piece) @if piece.ends_with('_') { wbr; } }
+            }
+        }
+    }
+}
+
 /// A text in which what stands between backticks is code.
 pub fn with_code(text: &str) -> Markup {
     let is_balanced = text.matches('`').count().is_multiple_of(2);
     html! {
         @if is_balanced {
             @for (index, piece) in text.split('`').enumerate() {
-                @if index % 2 == 1 { code { (piece) } } @else { (piece) }
+                @if index % 2 == 1 { (formula(piece)) } @else { (piece) }
             }
         } @else { (text) }
     }
@@ -180,7 +221,7 @@ fn help_lines(help: &str) -> Markup {
         @for (number, line) in help.lines().enumerate() {
             p.help.indented[line.starts_with(' ')] {
                 @if number == 0 { "Help: " }
-                @if line.starts_with(' ') { code { (line.trim()) } } @else { (with_code(line)) }
+                @if line.starts_with(' ') { (formula(line.trim())) } @else { (with_code(line)) }
             }
         }
     }
@@ -194,7 +235,7 @@ fn located(sources: &SourceMap, place: &Place, remark: &str) -> Markup {
         p.place {
             (place.file) ":" (place.line)
             @if !remark.is_empty() { ", " (remark) }
-            @if let Some(line) = line { br; code { (line.trim()) } }
+            @if let Some(line) = line { br; (formula(line.trim())) }
         }
     }
 }
@@ -238,6 +279,19 @@ mod tests {
         ] {
             assert!(shown.contains(wanted), "{wanted} in {shown}");
         }
+    }
+
+    #[test]
+    fn signs_are_not_broken() {
+        let shown = formula("a -> b <-> (c >= d - 1)").into_string();
+        let wanted = "<code>a <span class=\"sign\">-&gt;</span> b <span class=\"sign\">&lt;-&gt;</span> (c <span class=\"sign\">&gt;=</span> d - 1)</code>";
+        assert_eq!(shown, wanted);
+    }
+
+    #[test]
+    fn long_names_may_be_broken() {
+        let shown = names("a_b: takes_what_is_offered, c").into_string();
+        assert_eq!(shown, "a_b: takes_<wbr>what_<wbr>is_<wbr>offered, c");
     }
 
     #[test]

@@ -17,10 +17,12 @@ pub struct Page<'a> {
     pub contract: &'a Contract,
     /// The definitions that its rules use.
     pub definitions: &'a [Definition],
-    /// The side that the person played.
+    /// The side that the commands played.
     pub person: Owner,
-    /// Values of all variables in each step.
-    pub steps: &'a [Vec<i64>],
+    /// Where the commands came from, as the subject of a sentence: `A person`.
+    pub player: &'a str,
+    /// The plays that a reset ended, and the last one: values of all variables in each step.
+    pub plays: &'a [&'a [Vec<i64>]],
     /// The commands, each with what was answered.
     pub commands: &'a [(String, String)],
     /// Why the play is over; `None` if it is not.
@@ -47,13 +49,13 @@ pub fn page(page: &Page<'_>) -> String {
         header {
             h1 { (title) }
             (of_contract::description(page.contract))
-            p { "A person played the " (person) " against the " (other) "." }
+            p { (page.player) " played the " (person) " against the " (other) "." }
             (links(sections))
         }
         main {
             dl.tiles {
-                (tile("Steps", &parts::figures(page.steps.len()), ""))
-                (tile("Commands", &parts::figures(page.commands.len()), ""))
+                (tile("Steps", &parts::figures(page.plays.iter().map(|steps| steps.len()).sum()), &in_plays(page)))
+                (tile("Commands", &parts::figures(page.commands.len()), "moves and all others"))
             }
             @if let Some(over) = page.over { div.finding { pre tabindex="0" { (over.trim_end()) } } }
             (section("steps", "Steps", &steps(page)))
@@ -65,6 +67,7 @@ pub fn page(page: &Page<'_>) -> String {
                 }
             }))
             (section("contract", "Contract", &html! {
+                (of_contract::parameters(page.contract))
                 (of_contract::interface(&page.contract.specification, Rank::Section))
                 (of_contract::rules(&page.contract.specification, page.definitions, page.origin.sources, Rank::Section))
             }))
@@ -80,23 +83,63 @@ pub fn page(page: &Page<'_>) -> String {
     })
 }
 
+/// What the number of steps counts.
+fn in_plays(page: &Page<'_>) -> String {
+    let has_undone = page.commands.iter().any(|(line, _)| is_undo(line));
+    let undone = if has_undone {
+        "; steps that were taken back do not count"
+    } else {
+        ""
+    };
+    match page.plays {
+        [] | [_] => undone.trim_start_matches("; ").to_owned(),
+        [earlier @ .., last] => {
+            let numbers: Vec<String> = earlier.iter().map(|play| play.len().to_string()).collect();
+            format!(
+                "in {} plays of {} and {} steps{undone}",
+                page.plays.len(),
+                numbers.join(", "),
+                last.len()
+            )
+        }
+    }
+}
+
+fn is_undo(command: &str) -> bool {
+    command.split_whitespace().next() == Some("undo")
+}
+
 fn steps(page: &Page<'_>) -> Markup {
-    let specification = &*page.contract.specification;
-    if page.steps.is_empty() {
+    if page.plays.iter().all(|steps| steps.is_empty()) {
         return html! { p { "No step was made." } };
     }
-    let values: Vec<Vec<Option<i64>>> = page
-        .steps
+    let [only] = page.plays else {
+        return html! {
+            p { "The command " code { "reset" } " ended a play, and the next one began with step 0." }
+            @for (number, steps) in page.plays.iter().enumerate() {
+                h3 { "Play " (number + 1) }
+                @if steps.is_empty() { p { "No step was made." } } @else {
+                    (play(page, steps, &format!("play {} of {}", number + 1, page.contract.name)))
+                }
+            }
+        };
+    };
+    play(page, only, &format!("a play of {}", page.contract.name))
+}
+
+/// A play as a timing diagram, with the values of each step below it.
+fn play(page: &Page<'_>, steps: &[Vec<i64>], title: &str) -> Markup {
+    let specification = &*page.contract.specification;
+    let values: Vec<Vec<Option<i64>>> = steps
         .iter()
         .map(|step| step.iter().copied().map(Some).collect())
         .collect();
-    let title = format!("a play of {}", page.contract.name);
     html! {
-        (of_contract::play(&title, specification, &values, None))
+        (of_contract::play(title, specification, &values, None))
         details {
             summary { "Show each step with its values" }
-            @if page.steps.len() > MAX_LISTED { p.hint { "The first " (MAX_LISTED) " of " (page.steps.len()) " steps." } }
-            (table(&["Step", "Inputs", "Outputs"], &page.steps.iter().take(MAX_LISTED).enumerate().map(|(number, step)| {
+            @if steps.len() > MAX_LISTED { p.hint { "The first " (MAX_LISTED) " of " (steps.len()) " steps." } }
+            (table(&["Step", "Inputs", "Outputs"], &steps.iter().take(MAX_LISTED).enumerate().map(|(number, step)| {
                 let listed = |owner: Owner| {
                     let variables = specification.variables.iter().enumerate();
                     let shown = variables.filter(|(index, v)| v.owner == owner && !specification.is_auxiliary(VarId(*index as u32)));
@@ -106,5 +149,55 @@ fn steps(page: &Page<'_>) -> Markup {
                 vec![number.to_string(), listed(Owner::Environment), listed(Owner::System)]
             }).collect::<Vec<_>>()))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_core::source::SourceMap;
+    use linewright_language::contract::load;
+
+    #[test]
+    fn each_play_is_shown() {
+        let text = "contract Lamp {
+    input asked: bool
+    output lit: bool
+    guarantee follows: always (lit <-> asked)
+}
+";
+        let files = [("lamp.lw".to_owned(), text.to_owned())];
+        let (library, findings) = load(&files, &|_, _| Err("no other file".to_owned()));
+        assert!(findings.is_empty(), "{findings:?}");
+        let contract = &library.contracts[0];
+        let steps = vec![vec![1, 1], vec![0, 0], vec![1, 1]];
+        let written = |plays: &[&[Vec<i64>]]| {
+            page(&Page {
+                contract,
+                definitions: &[],
+                person: Owner::Environment,
+                player: "The script lamp.txt",
+                plays,
+                commands: &[],
+                over: None,
+                origin: Origin {
+                    command: "linewright step lamp.lw --script lamp.txt",
+                    version: "0",
+                    sources: &SourceMap::default(),
+                    findings: &[],
+                },
+            })
+        };
+        let two = written(&[&steps, &steps[..2]]);
+        for wanted in [
+            "The script lamp.txt played the plant against the controller.",
+            "<dd>5</dd><dd class=\"note\">in 2 plays of 3 and 2 steps</dd>",
+            "<h3>Play 1</h3>",
+            "<h3>Play 2</h3>",
+        ] {
+            assert!(two.contains(wanted), "{wanted}");
+        }
+        let one = written(&[&steps]);
+        assert!(one.contains("<dd>3</dd>") && !one.contains("Play 1"));
     }
 }

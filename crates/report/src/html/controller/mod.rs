@@ -3,7 +3,7 @@
 mod data;
 
 use super::contract::Rank;
-use super::parts::{self, Origin, figures, links, section, table, tile};
+use super::parts::{self, Origin, figures, links, section, table_of, tile};
 use super::{Document, contract as of_contract, document};
 use linewright_core::gr1::{Owner, Specification, Timing, show_value};
 use linewright_language::contract::{Contract, Definition};
@@ -88,6 +88,7 @@ pub fn page(page: &Page<'_>) -> String {
             (section("walk", "Walk", &walk(opponent, reader)))
             @if let Some(machine) = machine { (section("states", "States", &states(opponent, machine, goals(page)))) }
             (section("contract", "Contract", &html! {
+                (of_contract::parameters(contract))
                 (of_contract::interface(&contract.specification, Rank::Section))
                 (of_contract::rules(&contract.specification, page.definitions, page.origin.sources, Rank::Section))
             }))
@@ -118,7 +119,7 @@ fn tiles(opponent: Opponent<'_>) -> Markup {
                 }
                 _ => @if let Some(machine) = opponent.machine() {
                     (tile("States", &figures(machine.states.len()), ""))
-                    (tile("Transitions", &figures(machine.transition_count()), ""))
+                    (tile("Transitions", &figures(machine.transition_count()), &format!("{} of them lead from the start to a state", figures(machine.initial.len()))))
                 }
             }
             (tile("Kind", kind, order))
@@ -177,22 +178,7 @@ fn states(
     machine: &Machine,
     specification: Option<&Specification>,
 ) -> Markup {
-    let rows = machine.states.iter().enumerate().take(MAX_LISTED);
-    let rows = rows.flat_map(|(number, transitions)| {
-        transitions.iter().map(move |transition| {
-            let ports = machine.outputs.iter().zip(&transition.output);
-            let outputs: Vec<String> = ports
-                .map(|(port, value)| assignment(port, *value))
-                .collect();
-            vec![
-                format!("S{number}"),
-                machine.show_guard(&transition.guard),
-                outputs.join(", "),
-                format!("S{}", transition.to),
-            ]
-        })
-    });
-    let rows: Vec<Vec<String>> = rows.collect();
+    let rows = rows_of_transitions(machine);
     html! {
         div.controls role="group" aria-label="Size of the state diagram" {
             button #larger type="button" { "Larger" }
@@ -208,9 +194,39 @@ fn states(
         details {
             summary { "All transitions as a table" }
             @if machine.states.len() > MAX_LISTED { p.hint { "Those of the first " (MAX_LISTED) " states." } }
-            (table(&["State", "Condition", "Answer", "Next state"], &rows))
+            (table_of("Transitions", &["State", "Condition", "Answer", "Next state"], &html! {
+                @for [from, condition, answer, to] in &rows { tr {
+                    th scope="row" { (from) }
+                    td { (parts::unbroken(condition)) }
+                    td { (answer) }
+                    td { (to) }
+                } }
+            }))
         }
     }
+}
+
+/// The rows of the table of transitions: first those from the start, which are taken in step 0, then
+/// those of the first states.
+fn rows_of_transitions(machine: &Machine) -> Vec<[String; 4]> {
+    let initial = std::iter::once(("start".to_owned(), &machine.initial));
+    let states = machine.states.iter().enumerate().take(MAX_LISTED);
+    let states = states.map(|(number, list)| (format!("S{number}"), list));
+    let rows = initial.chain(states).flat_map(|(from, transitions)| {
+        transitions.iter().map(move |transition| {
+            let ports = machine.outputs.iter().zip(&transition.output);
+            let outputs: Vec<String> = ports
+                .map(|(port, value)| assignment(port, *value))
+                .collect();
+            [
+                from.clone(),
+                machine.show_guard(&transition.guard),
+                outputs.join(", "),
+                format!("S{}", transition.to),
+            ]
+        })
+    });
+    rows.collect()
 }
 
 /// What the state diagram means.
@@ -233,6 +249,10 @@ fn notation(opponent: Opponent<'_>, specification: Option<&Specification>) -> Ma
             ),
         ),
         (
+            "empty line",
+            "separates the ways to take an arrow that stands for several, each with its values".to_owned(),
+        ),
+        (
             "values in a state",
             "those on which all arrows to the state agree; they are not repeated on the arrows"
                 .to_owned(),
@@ -244,7 +264,7 @@ fn notation(opponent: Opponent<'_>, specification: Option<&Specification>) -> Ma
         ),
         (
             "dot",
-            "the arrows from the dot lead to the first states, in which step 0 ends".to_owned(),
+            "the start, before step 0: the arrows from the dot lead to the states in which step 0 can end".to_owned(),
         ),
         (
             "single letter",
@@ -277,4 +297,38 @@ fn assignment(port: &Port, value: i64) -> String {
         port.name,
         show_value(&port.domain, value, &port.unit)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linewright_core::gr1::Domain;
+    use linewright_solver::mealy::{Cube, Guard, Transition};
+
+    #[test]
+    fn all_transitions_are_in_the_table() {
+        let transition = |to| Transition {
+            guard: Guard(vec![Cube::default()]),
+            output: vec![1],
+            to,
+        };
+        let machine = Machine {
+            name: "Lamp".to_owned(),
+            timing: Timing::Mealy,
+            inputs: Vec::new(),
+            outputs: vec![Port {
+                name: "lit".to_owned(),
+                domain: Domain::Bool,
+                unit: String::new(),
+                internal: false,
+            }],
+            initial: vec![transition(0), transition(1)],
+            states: vec![vec![transition(1)], vec![transition(0), transition(1)]],
+            goals: Vec::new(),
+        };
+        let rows = rows_of_transitions(&machine);
+        assert_eq!(rows.len(), machine.transition_count());
+        let from: Vec<&str> = rows.iter().map(|[from, ..]| from.as_str()).collect();
+        assert_eq!(from, ["start", "start", "S0", "S1", "S1"]);
+    }
 }

@@ -10,6 +10,12 @@
     if (className) element.className = className;
     return element;
   };
+  // A formula as code, in which no line ends within a sign such as "->".
+  const code = (text) => {
+    const element = make("code");
+    text.split(/(<->|->|<=|>=|!=)/).forEach((piece, index) => element.append(index % 2 ? make("span", piece, "sign") : piece));
+    return element;
+  };
   // All values are BigInt, because numbers are exact only up to 2^53. The data has larger ones as text.
   const exact = (expression) => {
     if (!Array.isArray(expression)) return BigInt(expression);
@@ -195,13 +201,13 @@
     const items = make("ul");
     for (const rule of found) {
       const item = make("li");
-      item.append(make("strong", `${rule.kind} ${rule.name}`), ": ", make("code", rule.text), ` (${rule.place})`);
+      item.append(make("strong", `${rule.kind} ${rule.name}`), ": ", code(rule.text), ` (${rule.place})`);
       const used = mentioned(rule.text);
       if (used.length) {
         const list = make("ul", undefined, "definitions");
         for (const defined of used) {
           const entry = make("li");
-          entry.append(make("code", defined.name), ", defined as ", make("code", defined.text), ` (${defined.place}) `, valueOf(defined, rule, before, step));
+          entry.append(make("code", defined.name), ", defined as ", code(defined.text), ` (${defined.place}) `, valueOf(defined, rule, before, step));
           list.append(entry);
         }
         item.append(list);
@@ -349,7 +355,7 @@
       const row = make("tr");
       const name = make("th");
       name.scope = "row";
-      name.append(make("code", condition));
+      name.append(code(condition));
       const cell = make("td");
       const moved = within(cubes);
       const { answer, found } = consider(moved);
