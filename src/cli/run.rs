@@ -215,7 +215,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut code = options.exit_code(&base.findings);
     let variants = Changes::variants(&arguments.what_if, &arguments.set, &base.line);
     let mut compared: Vec<Compared> = Vec::new();
-    for changes in variants.map_err(anyhow::Error::msg)? {
+    let mut variants = variants.map_err(anyhow::Error::msg)?;
+    if arguments.report.is_some() && !variants.is_empty() {
+        let numbers = arguments.selection.settable(&base.line.name, options);
+        let set = settings_by_name(&arguments.set);
+        for changes in &mut variants {
+            changes.compare_numbers(&set, &numbers);
+        }
+    }
+    for changes in variants {
         let variant = SimulationOptions {
             find_warm_up: false,
             replications: Count::Fixed(base.run.traces.len() as u64),

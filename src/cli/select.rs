@@ -4,7 +4,7 @@ use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::outline;
 use crate::contract::Contract;
-use crate::contract::set::{Setting, Settings};
+use crate::contract::set::{SettableNumber, Setting, Settings};
 use crate::diagnostics::{codes, has_errors};
 use crate::engine::files::{self, LoadedFiles};
 use crate::source::Span;
@@ -93,6 +93,12 @@ impl Selection {
             });
         }
         Self::if_valid(loaded, command, options)
+    }
+
+    /// The numbers of a line that can be set; none if they cannot be read any more.
+    pub fn settable(&self, line: &str, options: &GlobalOptions) -> Vec<SettableNumber> {
+        let standard = files::StandardLibrary::new(options.library.clone());
+        files::settable(&self.path, &standard, Some(line)).unwrap_or_default()
     }
 
     fn read(&self, options: &GlobalOptions) -> LoadedFiles {

@@ -15,6 +15,8 @@ pub struct Variant {
     pub name: String,
     /// Numbers that are set, by name.
     pub set: BTreeMap<String, String>,
+    /// What these numbers are in the line as it is, as far as this is known: `50 s per step`.
+    pub as_it_is: BTreeMap<String, String>,
     /// Stations that work faster: 1.1 for 10 % faster, less than 1 for slower.
     pub speeds: BTreeMap<String, f64>,
 }

@@ -1,7 +1,7 @@
 //! `run --what-if NAME=VALUE`: what differs in a variant of the line.
 
 use crate::contract::line::Line;
-use crate::contract::set::Setting;
+use crate::contract::set::{SettableNumber, Setting};
 use crate::engine::speed;
 use crate::report::Variant;
 use std::collections::BTreeMap;
@@ -60,6 +60,26 @@ impl Changes {
         variants.collect()
     }
 
+    /// Notes what the numbers of the variant are in the line as it is: as `set` for the run, or as
+    /// in the file.
+    pub fn compare_numbers(&mut self, set: &BTreeMap<&str, &str>, numbers: &[SettableNumber]) {
+        for name in self.variant.set.keys() {
+            let mut known = numbers.iter();
+            let number = known.find(|number| number.names.contains(name));
+            let in_file = number.and_then(|number| number.value.as_deref());
+            let Some(value) = set.get(name.as_str()).copied().or(in_file) else {
+                continue;
+            };
+            let per_step = if number.is_some_and(|number| number.per_step) {
+                " per step"
+            } else {
+                ""
+            };
+            let value = format!("{value}{per_step}");
+            self.variant.as_it_is.insert(name.clone(), value);
+        }
+    }
+
     /// Reads the options of one variant. `NAME=10%` with the name of a station makes it 10 %
     /// faster; everything else is set as by `--set`, and replaces a number that `--set` has set by
     /// the same name.
@@ -105,5 +125,39 @@ impl Changes {
         changes.set = set.iter().filter(stays).cloned().collect();
         changes.set.extend(numbers);
         Ok(changes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variant_knows_the_numbers_of_the_line() {
+        let number = |names: &[&str], value: Option<&str>, per_step| SettableNumber {
+            names: names.iter().map(|name| (*name).to_owned()).collect(),
+            value: value.map(str::to_owned),
+            per_step,
+            place: None,
+        };
+        let numbers = [
+            number(&["printer.time", "printer.layers.time"], Some("50 s"), true),
+            number(&["belt.speed"], Some("0.2 m/s"), false),
+            number(&["belt.power"], None, false),
+        ];
+        let mut changes = Changes::default();
+        for name in ["printer.layers.time", "belt.speed", "belt.power"] {
+            let value = "1".to_owned();
+            changes.variant.set.insert(name.to_owned(), value);
+        }
+        changes.compare_numbers(&[("belt.speed", "0.3 m/s")].into(), &numbers);
+        let known = changes.variant.as_it_is.into_iter();
+        let known: Vec<String> = known
+            .map(|(name, value)| format!("{name} {value}"))
+            .collect();
+        assert_eq!(
+            known,
+            ["belt.speed 0.3 m/s", "printer.layers.time 50 s per step"]
+        );
     }
 }

@@ -130,7 +130,7 @@ function miscounted(page) {
     const number = (text) => Number((text.match(/[\d,]+/) ?? ["0"])[0].replaceAll(",", ""));
     const shown = document.querySelectorAll(`#units use[data-in="${index}"]:not([display=none])`).length + number(node.querySelector(".more").textContent);
     const name = node.querySelector("text").textContent;
-    if (/^[\d,]+$/.test(said)) return shown === 0 ? [] : [`${name} draws ${shown} parts that have left the line`];
+    if (/ (in|out)$/.test(said)) return shown === 0 ? [] : [`${name} draws ${shown} parts that have left the line`];
     const isRight = said === "" ? shown <= 1 : shown === number(said);
     return isRight ? [] : [`${name} draws ${shown} parts and says "${said}"`];
   }));

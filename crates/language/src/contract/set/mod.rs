@@ -106,6 +106,8 @@ pub struct SettableNumber {
     pub names: Vec<String>,
     /// Text of its value; `None` if the statement is absent and has a default.
     pub value: Option<String>,
+    /// Whether it is a time for each step of a machine's action.
+    pub per_step: bool,
     /// Place of its value; `None` for a whole number, which has no place in the tree.
     pub place: Option<Span>,
 }
@@ -186,9 +188,14 @@ impl Target<'_> {
                 Some(Present::Text(span)) => (Some(sources.text(span).to_owned()), Some(span)),
                 Some(Present::Count(count)) => (Some(count.to_string()), None),
             };
+            let per_step = place.is_some_and(|span| {
+                let behind = &sources.file(span.file).text[span.end as usize..];
+                behind.trim_start().starts_with("per step")
+            });
             SettableNumber {
                 names: names.cloned().collect(),
                 value,
+                per_step,
                 place,
             }
         });

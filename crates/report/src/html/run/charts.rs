@@ -116,6 +116,7 @@ impl TimeAxis {
     fn frame(self, max: f64) -> Frame {
         Frame {
             left: self.left,
+            top: TOP,
             height: 170.0,
             seconds: self.end,
             max,
@@ -127,6 +128,8 @@ impl TimeAxis {
 /// A frame with axes: time to the right, a number upwards.
 struct Frame {
     left: f64,
+    /// Room above the highest value.
+    top: f64,
     height: f64,
     seconds: f64,
     max: f64,
@@ -139,8 +142,8 @@ impl Frame {
     }
 
     fn y(&self, value: f64) -> f64 {
-        let room = self.height - TOP - BOTTOM;
-        TOP + room * (1.0 - value / self.max.max(f64::MIN_POSITIVE))
+        let room = self.height - self.top - BOTTOM;
+        self.top + room * (1.0 - value / self.max.max(f64::MIN_POSITIVE))
     }
 
     fn draw(&self, label: &str, warm_up: f64, inside: &Markup) -> Markup {
@@ -148,7 +151,7 @@ impl Frame {
         html! {
             svg.chart viewBox=(format!("0 0 {WIDTH} {height}")) role="img" aria-label=(label) {
                 @if warm_up > 0.0 {
-                    rect.warmup x=(left) y=(TOP) width=(number(self.x(warm_up) - left)) height=(height - TOP - BOTTOM) {
+                    rect.warmup x=(left) y=(self.top) width=(number(self.x(warm_up) - left)) height=(height - self.top - BOTTOM) {
                         title { "Warm-up: not counted" }
                     }
                 }
@@ -166,8 +169,8 @@ impl Frame {
     }
 }
 
-/// A number of parts over time: the mean of each bin as a line over a dark area, and its maximum as
-/// a light area. Time before the end of the warm-up is marked, and so is the `capacity`.
+/// A number of parts over time: the mean of each bin as a line, and an area up to its maximum. Time
+/// before the end of the warm-up is marked, and so is the `capacity`.
 pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option<u32>) -> Markup {
     let highest = curve.maxima.iter().copied().max().unwrap_or(0) as f64;
     let frame = axis.frame(highest.max(capacity.map_or(1.0, f64::from)));
@@ -176,9 +179,7 @@ pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option
     let mean = stairs(&frame, &curve.means, curve.width, curve.end);
     let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(curve.end));
     let inside = html! {
-        @for line in [area, mean.clone()] {
-            path.area d=(format!("M{left:.1} {bottom:.1}{line}L{right:.1} {bottom:.1}Z")) {}
-        }
+        path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
         path.line d=(format!("M{}", &mean[1..])) {}
         @if let Some(capacity) = capacity {
             line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
@@ -216,6 +217,48 @@ fn stairs(frame: &Frame, values: &[f64], width: f64, end: f64) -> String {
     data
 }
 
+/// Height of a name above a histogram.
+const NAME: f64 = 15.0;
+
+/// The name of a marked line, above a histogram.
+#[derive(Debug, Clone, PartialEq)]
+struct LineName<'a> {
+    name: &'a str,
+    x: f64,
+    /// Row from the top on, in which the line begins.
+    row: usize,
+    /// Whether the name is on the left of the line.
+    is_left: bool,
+}
+
+/// Places the names of lines in rows above a chart, so that no line goes through a name: each line
+/// begins in the row of its name.
+fn line_names<'a>(lines: &[(&'a str, f64)]) -> Vec<LineName<'a>> {
+    let mut sorted = lines.to_vec();
+    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // From the right: names that have no room on the right are on the left of their lines, in the
+    // upper rows. All lines on the left of these begin below.
+    let mut limit = WIDTH;
+    let (mut left, mut right) = (Vec::new(), Vec::new());
+    for (name, x) in sorted.into_iter().rev() {
+        let width = name.chars().count() as f64 * 7.0 + 8.0;
+        if x + width > limit {
+            limit = x;
+            left.push((name, x, true));
+        } else {
+            right.push((name, x, false));
+        }
+    }
+    let rows = left.into_iter().chain(right.into_iter().rev()).enumerate();
+    let rows = rows.map(|(row, (name, x, is_left))| LineName {
+        name,
+        x,
+        row,
+        is_left,
+    });
+    rows.collect()
+}
+
 /// How often times fall into classes. `upwards` says what is counted; `lines` are marked with their
 /// names.
 pub(super) fn histogram(
@@ -227,14 +270,19 @@ pub(super) fn histogram(
     let Columns { width, counts, .. } = columns;
     let highest = counts.iter().copied().max().unwrap_or(0) as f64;
     let step = marks(highest, 4).get(1).copied().unwrap_or(1.0);
+    let seconds = width * counts.len() as f64;
+    let lines = lines.iter().filter(|(_, at)| *at <= seconds);
+    let top = TOP + NAME * lines.clone().count() as f64;
     let frame = Frame {
         left: LEFT,
-        height: 190.0,
-        seconds: width * counts.len() as f64,
+        top,
+        height: 178.0 + top,
+        seconds,
         max: (highest / step).ceil() * step,
         moments: Moments::Elapsed,
     };
     let middle = frame.y(frame.max / 2.0);
+    let lines: Vec<(&str, f64)> = lines.map(|(name, at)| (*name, frame.x(*at))).collect();
     let inside = html! {
         text x="12" y=(number(middle)) transform=(format!("rotate(-90 12 {middle:.1})")) text-anchor="middle" { (upwards) }
         @for (class, number_of) in counts.iter().enumerate() {
@@ -244,11 +292,10 @@ pub(super) fn histogram(
                 title { (duration_in_units(start)) " to " (duration_in_units(start + width)) ": " (count(*number_of)) }
             }
         }
-        @for (index, (name, at)) in lines.iter().enumerate().filter(|(_, (_, at))| *at <= frame.seconds) {
-            @let x = frame.x(*at);
-            line.mark x1=(number(x)) x2=(number(x)) y1=(TOP) y2=(number(frame.y(0.0))) {}
-            @let is_right = x > WIDTH - 160.0;
-            text x=(number(if is_right { x - 4.0 } else { x + 4.0 })) y=(TOP + 10.0 + 14.0 * index as f64) text-anchor=(if is_right { "end" } else { "start" }) { (name) }
+        @for line in line_names(&lines) {
+            @let base = TOP + NAME * line.row as f64;
+            line.mark x1=(number(line.x)) x2=(number(line.x)) y1=(number(base - 9.0)) y2=(number(frame.y(0.0))) {}
+            text x=(number(if line.is_left { line.x - 4.0 } else { line.x + 4.0 })) y=(number(base)) text-anchor=(if line.is_left { "end" } else { "start" }) { (line.name) }
         }
     };
     frame.draw(label, 0.0, &inside)
@@ -353,4 +400,37 @@ impl Scale {
 
 fn number(value: f64) -> PreEscaped<String> {
     PreEscaped(format!("{value:.1}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_line_goes_through_the_name_of_another() {
+        for xs in [
+            [300.0, 303.0, 700.0],
+            [303.0, 300.0, 830.0],
+            [800.0, 810.0, 820.0],
+            [840.0, 790.0, 843.0],
+        ] {
+            let names = ["median", "mean", "95th percentile"];
+            let lines: Vec<(&str, f64)> = names.into_iter().zip(xs).collect();
+            let placed = line_names(&lines);
+            assert_eq!(placed.len(), 3);
+            for of in &placed {
+                let width = of.name.len() as f64 * 7.0 + 4.0;
+                let (from, to) = if of.is_left {
+                    (of.x - width, of.x)
+                } else {
+                    (of.x, of.x + width)
+                };
+                assert!(to <= WIDTH, "{of:?}");
+                let crosses = |line: &LineName<'_>| {
+                    line.row < of.row && line.x > from && line.x < to && line.name != of.name
+                };
+                assert!(!placed.iter().any(crosses), "{placed:?}");
+            }
+        }
+    }
 }

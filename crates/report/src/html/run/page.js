@@ -210,8 +210,10 @@
     here.forEach((parts, node) => {
       const { kind, capacity, places, pitchSeconds, isStepped } = data.nodes[node];
       const box = boxes[node];
+      const written = (number) => number.toLocaleString("en");
       const full = kind === "buffer" ? `${parts.length} of ${capacity}` : kind === "conveyor" ? `${parts.length} of ${places}`
-        : kind.startsWith("sink") ? `${gone[node].toLocaleString("en")}` : parts.length > 1 ? `${parts.length} parts` : "";
+        : kind.startsWith("sink") ? `${written(gone[node])} in` : kind === "source" ? `${written(given[node])} out`
+        : kind === "store" ? `${written(taken[node])} in, ${written(given[node])} out` : parts.length > 1 ? `${parts.length} parts` : "";
       const text = groups[node].querySelector(".count");
       if (text.textContent !== full) text.textContent = full;
       const drawn = kind === "conveyor" || parts.length <= MOST ? parts.length : MOST - 4;

@@ -132,6 +132,8 @@ fn size(name: &str, kind: &NodeKind) -> Size {
     let least = match kind {
         NodeKind::Conveyor { places, .. } => (f64::from(*places) * 9.0).clamp(90.0, 220.0),
         NodeKind::Buffer { .. } => 84.0,
+        // Two numbers of parts.
+        NodeKind::Store { .. } => 112.0,
         _ => 72.0,
     };
     Size {

@@ -100,6 +100,8 @@ pub struct Recorder {
     /// By node: the times at which its controller refused something, in seconds.
     pub(super) refusals: Vec<Vec<f64>>,
     refusal_count: usize,
+    /// By node: number of parts that its controller refused while figures count.
+    pub(super) refused: Vec<u64>,
     is_sink: Vec<bool>,
     /// By node: joules by state; those of conveyors count as busy.
     pub(super) joules: Vec<[f64; 7]>,
@@ -143,6 +145,7 @@ impl Recorder {
             balance: vec![Balance::default(); line.parts.len()],
             refusals: vec![Vec::new(); nodes],
             refusal_count: 0,
+            refused: vec![0; nodes],
             is_sink: line.nodes.iter().map(|node| is_sink(&node.kind)).collect(),
             joules: vec![[0.0; 7]; nodes],
             power: Sums::new(),
@@ -395,6 +398,7 @@ impl Observer for Recorder {
     }
 
     fn record_violation(&mut self, violation: &Violation) {
+        self.refused[violation.node] += u64::from(violation.part.is_some());
         let refusals = &mut self.refusals[violation.node];
         if self.refusal_count < MAX_REFUSALS && refusals.last() != Some(&violation.time) {
             refusals.push(violation.time);
@@ -407,6 +411,7 @@ impl Observer for Recorder {
         self.lead_times = Histogram::new();
         self.flow.clear();
         self.scrapped.clear();
+        self.refused.fill(0);
         self.balance.fill(Balance::default());
         for kind in self.types.values() {
             self.balance[*kind].before += 1;

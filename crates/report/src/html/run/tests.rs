@@ -197,7 +197,9 @@ fn the_conclusion_is_in_words() {
             "rejected parts &lt;= 1,000",
             "Each column is 2 min wide.",
             "Products an hour, in bins of 30 min.",
-            "the mean of each 5 min",
+            "the mean of each 5 min</li>",
+            "up to the maximum in this time</li>",
+            "faint, on an arrow: a part that has just moved",
         ],
     );
     assert!(!text.contains("idle</"));
@@ -233,6 +235,27 @@ fn the_conclusion_of_replications_is_of_all_runs() {
         ],
     );
     assert!(!text.contains("One run has no"));
+}
+
+/// Parts that a station refused have a column of their own, and do not end its waiting.
+#[test]
+fn refused_parts_are_told_apart() {
+    let mut run = recorded(BOTTLING, for_hours(8.0));
+    assert!(!run.written().contains(">Refused</th>"));
+    let station = &run.trace.stations[0];
+    assert!(station.waits.iter().any(|wait| wait.share >= 0.005));
+    let name = station.name.clone();
+    run.recorder.refused[station.node] = 3;
+    assert_contains(
+        &run.written(),
+        &[
+            ">Refused</th>",
+            &format!("A station that refuses a part goes on waiting: {name} refused 3 parts."),
+            ", apart from those that it refused</td>",
+            "none: given by its times</td>",
+            "A station without a machine is given by its times in the model",
+        ],
+    );
 }
 
 /// The line as it is and two variants, in one chart and one table.
@@ -410,6 +433,7 @@ fn the_flow_sums_up_to_what_was_created() {
             "<td>taken out: scrapped, expired or refused</td>",
             "<h3>First-pass yield</h3>",
             "parts that were only bought and joined do not count",
+            "A joined part is a new part: what a station does to it is no rework",
         ],
     );
 }

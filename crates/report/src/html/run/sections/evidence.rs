@@ -4,7 +4,7 @@ use super::super::Page;
 use super::super::moments::Moments;
 use super::{first, section_of_first};
 use crate::html::numbers::count;
-use crate::html::parts::{origin, table, table_of};
+use crate::html::parts::{formula, origin, table, table_of};
 use linewright_core::gr1::Formula;
 use linewright_line::Trace;
 use linewright_line::trace::Violation;
@@ -38,6 +38,7 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
             (count(trace.violation_count)) " violations of contracts, by place and rule."
             @if is_cut { " The tables have the first " (count(trace.violations.len() as u64)) "." }
         }
+        p.hint { "The number of a part is its place among the parts of all types, in the order in which they were made." }
         (table_of("Table of violations", &["First", "Last", "Number", "Place", "Rule", "What happened first"], &html! {
             @for (first, number, last) in &kinds { tr {
                 th scope="row" { (jump(moments, first.time)) }
@@ -80,7 +81,7 @@ fn part(page: &Page<'_>, violation: &Violation) -> String {
 fn rule(page: &Page<'_>, violation: &Violation) -> Markup {
     html! {
         (violation.rule.as_deref().unwrap_or("-"))
-        @if let Some((place, text)) = rule_line(page, violation) { br; code { (text) } br; small { (place) } }
+        @if let Some((place, text)) = rule_line(page, violation) { br; (formula(&text)) br; small { (place) } }
     }
 }
 

@@ -291,7 +291,10 @@ pub(super) fn changes(variant: &Variant) -> String {
     let set = variant
         .set
         .iter()
-        .map(|(name, value)| format!("{name} = {value}"));
+        .map(|(name, value)| match variant.as_it_is.get(name) {
+            Some(now) => format!("{name} = {value} instead of {now}"),
+            None => format!("{name} = {value}"),
+        });
     let speeds = variant.speeds.iter().map(|(name, speed)| {
         let word = if *speed < 1.0 { "slower" } else { "faster" };
         format!(
@@ -300,4 +303,28 @@ pub(super) fn changes(variant: &Variant) -> String {
         )
     });
     set.chain(speeds).collect::<Vec<_>>().join(" and ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_has_the_old_value() {
+        let of = |pairs: &[(&str, &str)]| {
+            let pairs = pairs.iter();
+            pairs
+                .map(|(name, value)| ((*name).to_owned(), (*value).to_owned()))
+                .collect()
+        };
+        let variant = Variant {
+            set: of(&[("belt.speed", "0.1 m/s"), ("printer.time", "35 s")]),
+            as_it_is: of(&[("printer.time", "50 s per step")]),
+            ..Variant::default()
+        };
+        assert_eq!(
+            changes(&variant),
+            "belt.speed = 0.1 m/s and printer.time = 35 s instead of 50 s per step"
+        );
+    }
 }

@@ -36,9 +36,9 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
         p #status role="status" { "Point at a place, or move the focus to it, to see what it does." }
         (legend())
         (parts_legend(page, &html! {
-            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "pale: where a part has just come from" }
+            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "faint, on an arrow: a part that has just moved" }
         }))
-        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number in a place is that of the parts there. In a sink, it is that of the parts that it has taken so far. Of more than 14, some are drawn and the rest is a number. While the run plays, a pale copy on the arrow shows the way of a part that has just moved." }
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number in a place is that of the parts there. In a sink, it is that of the parts that it has taken so far; in a source, that of the parts that it has delivered; a store has both, \"in\" and \"out\". Of more than 14, some are drawn and the rest is a number. While the run plays, a faint copy on the arrow shows the way of a part that has just moved. The number of a part is its place among the parts of all types, in the order in which they were made." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())
@@ -132,6 +132,8 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         .collect();
     let mut of_times = vec!["Station"];
     of_times.extend(STATES.map(|(_, name)| name));
+    let has_refused = stations.iter().any(|of| refused(page, of) > 0);
+    let is_uncontrolled = stations.iter().any(|of| of.machine.is_none());
     let work: Vec<Vec<String>> = stations
         .iter()
         .map(|station| {
@@ -140,7 +142,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
                 station
                     .machine
                     .clone()
-                    .unwrap_or_else(|| "not controlled".to_owned()),
+                    .unwrap_or_else(|| "none: given by its times".to_owned()),
                 count(station.processed),
                 station
                     .work_time
@@ -157,10 +159,11 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
                 None => ["-"; 4].map(str::to_owned),
             });
             row.push(count(station.scrapped));
+            row.extend(has_refused.then(|| count(refused(page, station))));
             row
         })
         .collect();
-    let of_work = [
+    let mut of_work = vec![
         "Station",
         "Machine",
         "Processed",
@@ -171,6 +174,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         "Quality",
         "Scrapped",
     ];
+    of_work.extend(has_refused.then_some("Refused"));
     let waits: Vec<Vec<String>> = stations
         .iter()
         .flat_map(|station| station.waits.iter().map(move |wait| (station, wait)))
@@ -182,12 +186,29 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
             };
             let behind = wait.station.as_ref().filter(|name| **name != wait.place);
             let behind = behind.map_or(String::new(), |name| format!(", before {name}"));
+            let is_starved = wait.kind == WaitKind::Starved;
+            let apart = if is_starved && refused(page, station) > 0 {
+                ", apart from those that it refused"
+            } else {
+                ""
+            };
+            let has_other = wait.station.is_some()
+                || stations.iter().any(|other| {
+                    [other.name.as_str(), declared_name(&other.name)].contains(&wait.place.as_str())
+                });
+            let of_other = |share: f64| {
+                if has_other {
+                    percent(share)
+                } else {
+                    "-".to_owned()
+                }
+            };
             vec![
                 station.name.clone(),
-                format!("{kind} {}{behind}", wait.place),
+                format!("{kind} {}{behind}{apart}", wait.place),
                 percent(wait.share),
-                percent(wait.failed),
-                percent(wait.off_shift),
+                of_other(wait.failed),
+                of_other(wait.off_shift),
             ]
         })
         .collect();
@@ -199,10 +220,13 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
             summary { "Show as tables" }
             (table(&of_times, &times))
             (table(&of_work, &work))
+            @if is_uncontrolled { p.hint { "A station without a machine is given by its times in the model: it has no contract, and no controller." } }
+            p.hint { "Scrapped are the parts that were rejected because of the station. " (CHARGED) " A part on which no station has worked counts at none." @if has_refused { " Refused are the parts that came to the station and were taken out there at once, because its contract does not allow them." } }
         }
         @if !waits.is_empty() {
             h3 { "What the stations waited for" }
-            p { "Causes of at least 0.5 % of a station's time. All shares are of all its counted time. The other station is the last one that the second column names." }
+            p { "Causes of at least 0.5 % of a station's time. All shares are of all its counted time. The last two columns are about the station that the second column names last; there is a dash if it names none." }
+            @if has_refused { p { "A station that refuses a part goes on waiting: " (refusing(page)) "." } }
             (table(&["Station", "It was", "Share", "of it, while the other station had failed", "of it, while the other station was off shift"], &waits))
         }
         h3 { "Bottleneck" }
@@ -210,6 +234,26 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
         (losses(page))
     };
     section_of_first(page, "stations", "Where the time goes", &inside)
+}
+
+/// At which station a rejected part counts.
+const CHARGED: &str = "A rejected part counts at the station that made it defective, or else at the last one that worked on it.";
+
+/// Number of parts that a station refused.
+fn refused(page: &Page<'_>, station: &StationStatistics) -> u64 {
+    page.recorder.refused[station.node]
+}
+
+/// The stations that refused parts, with the numbers of these.
+fn refusing(page: &Page<'_>) -> String {
+    let stations = first(page).stations.iter();
+    let stations = stations.filter(|station| refused(page, station) > 0);
+    let each = stations.map(|station| {
+        let number = refused(page, station);
+        let parts = if number == 1 { "part" } else { "parts" };
+        format!("{} refused {} {parts}", station.name, count(number))
+    });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// The time of the busiest station by state, in shares and as a duration.
@@ -243,7 +287,7 @@ fn losses(page: &Page<'_>) -> Markup {
     html! {
         p { "The time of " (station.name) " by state" @if has_time_off { "; the bottleneck is judged by shares of the time on shift" } ":" }
         (table(&headings, &rows.collect::<Vec<_>>()))
-        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the work done by the time in work: it is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good. A rejected part counts against the station that made it defective, or else against the last one that worked on it." }
+        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the work done by the time in work: it is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good. " (CHARGED) }
     }
 }
 

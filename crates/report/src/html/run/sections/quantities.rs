@@ -53,9 +53,8 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
         })
         .collect();
     let inside = html! {
-        p { "Work in progress is the number of parts in the line, of all types. Dark: the mean of each " (duration_in_units(units.width)) "; light: the maximum."
-            @if !buffers.is_empty() { " Dashed: the capacity of a buffer." }
-            @if recorder.counting > 0.0 { " Grey: the warm-up." } }
+        p { "Work in progress is the number of parts in the line, of all types." }
+        (curve_legend(units.width, !buffers.is_empty(), recorder.counting > 0.0))
         (charts::curve("Work in progress over time", &units, axis, None))
         details {
             summary { "Show as a table" }
@@ -87,6 +86,26 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
         }
     };
     section_of_first(page, "queues", "Work in progress and queues", &inside)
+}
+
+/// The legend of curves with bins of this width in seconds.
+fn curve_legend(width: f64, has_capacity: bool, has_warm_up: bool) -> Markup {
+    let key = |sign: Markup, text: &str| {
+        html! { li { svg.key viewBox="0 0 16 16" aria-hidden="true" { (sign) } (text) } }
+    };
+    let line = html! { path.line d="M0 8H16" {} };
+    let area = html! { rect.area width="16" height="16" {} };
+    let capacity = html! { path.capacity d="M0 8H16" {} };
+    let warm_up = html! { rect.warmup width="16" height="16" {} };
+    let each = duration_in_units(width);
+    html! {
+        ul.legend aria-label="Curves" {
+            (key(line, &format!("the mean of each {each}")))
+            (key(area, "up to the maximum in this time"))
+            @if has_capacity { (key(capacity, "the capacity of a buffer")) }
+            @if has_warm_up { (key(warm_up, "the warm-up")) }
+        }
+    }
 }
 
 /// A curve as some twenty rows of a table, and the seconds of a row.
@@ -383,7 +402,7 @@ fn yields(page: &Page<'_>) -> Markup {
     ];
     html! {
         h3 { "First-pass yield" }
-        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Without rework: no station worked on the part twice. The yield is their share of all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
+        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Rework: a station began to work on the part for the second time; alike stations in parallel are one. A joined part is a new part: what a station does to it is no rework, even if the same station has worked on a part in it before. If it is reworked itself, so are all parts in it. The yield is their share of all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
         (table(&headings, &rows))
     }
 }
