@@ -77,7 +77,7 @@ fn a_line_comes_first_and_shows_what_its_proof_rests_on() {
             "Printer, layers: fed always eventually (filament or not requested) assumed about the environment: Printer: signal filament",
             "AssemblyCell, cell: screw_needs_part always (idle and next job = screw -> grip_a) left to the caller: the line, checked at every call",
             "examples/ice-lab/coordinator.lw:41",
-            "The slowest station is printer: 204 s a part (Printed), so at most 17.6 parts an hour pass it.",
+            "The slowest station is printer: 3 min 24 s a part (Printed), so at most 17.6 parts an hour pass it.",
         ],
     );
     assert!(!line.contains("it always holds"), "{line}");

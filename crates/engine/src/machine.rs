@@ -435,6 +435,7 @@ impl CombinedProof<'_> {
                 DischargeMethod::Held => "all reachable states of the controllers".to_owned(),
                 DischargeMethod::Exported => KEPT_BY_LINE.to_owned(),
             },
+            formulas: vec![self.printer.named(at)],
         }
     }
 }

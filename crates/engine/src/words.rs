@@ -50,6 +50,16 @@ impl<'a> ProofPrinter<'a> {
         }
     }
 
+    /// The formula with its name.
+    pub fn named(&self, at: FormulaRef) -> NamedFormula {
+        let formula = self.formula(at);
+        NamedFormula {
+            owner: self.owner(at).to_owned(),
+            name: formula.name.clone(),
+            text: formula.text.clone(),
+        }
+    }
+
     /// Names of the formulas by which an obligation is discharged, on one line.
     pub fn discharged_by(&self, discharge: &Discharge) -> String {
         let mut names: Vec<String> = Vec::new();
@@ -415,6 +425,20 @@ pub struct DischargeEntry {
     pub turn: Option<usize>,
     /// What discharges it: names of formulas, or a phrase.
     pub by: String,
+    /// The obligation, and the formulas that discharge it, for pages.
+    #[serde(skip)]
+    pub formulas: Vec<NamedFormula>,
+}
+
+/// A formula of a proof, with its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedFormula {
+    /// The component, machine or contract that has it.
+    pub owner: String,
+    /// Its name.
+    pub name: String,
+    /// What it says.
+    pub text: String,
 }
 
 /// What discharges assumptions that a machine passes on to its caller.
@@ -433,6 +457,11 @@ pub fn discharge_entry(printer: ProofPrinter<'_>, discharge: &Discharge) -> Disc
         by: match discharge.rule {
             DischargeRule::Exported => KEPT_BY_LINE.to_owned(),
             _ => printer.discharged_by(discharge),
+        },
+        formulas: {
+            let by = discharge.by.iter();
+            let all = std::iter::once(&discharge.what).chain(by);
+            all.map(|at| printer.named(*at)).collect()
         },
     }
 }

@@ -6,7 +6,7 @@ use crate::engine::findings::lost::{Change, Suggestion};
 use crate::game::{Advice, NewAssumption, Weakening};
 use crate::gr1::text::text;
 use crate::gr1::{BinaryOp, Expr, FormulaKind, Specification};
-use crate::report::html::parts::{table_of, with_code};
+use crate::report::html::parts::{self, table_of, with_code};
 use maud::{Markup, html};
 
 /// The changes that would make a contract realizable, in one table for each kind.
@@ -28,7 +28,7 @@ pub(super) fn section(contract: &Contract, advice: &Advice, entry: &ContractEntr
             (table_of("Changes", &["In words", "Line to write", "Cost"], &html! {
                 @for (change, reading) in of_kind(kind) { tr {
                     td { (with_code(reading)) }
-                    td { code { (change.text) } }
+                    td { (parts::formula(&change.text)) }
                     td { (change.cost) }
                 } }
             }))

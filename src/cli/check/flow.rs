@@ -2,6 +2,7 @@
 
 use super::document::WorkEntry;
 use crate::contract::line::{Line, NodeKind, declared_name};
+use crate::line::trace::duration_in_units;
 use crate::report::html::parts::figure;
 
 /// A station with its work on a part of one type.
@@ -47,12 +48,16 @@ pub(super) fn slowest(line: &Line, work: &[WorkEntry]) -> Option<String> {
     })
 }
 
-/// A time in seconds with its least and greatest value: `204 s`, or `11.2 s to 12.2 s`.
-fn range([least, greatest]: [f64; 2]) -> String {
+/// A time with its least and greatest value: `3 min 24 s`, or `11.2 s to 12.2 s`.
+pub(super) fn range([least, greatest]: [f64; 2]) -> String {
     if least < greatest {
-        format!("{} s to {} s", figure(least), figure(greatest))
+        format!(
+            "{} to {}",
+            duration_in_units(least),
+            duration_in_units(greatest)
+        )
     } else {
-        format!("{} s", figure(least))
+        duration_in_units(least)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::contract::machine::Machine;
 use crate::engine::files::LoadedFiles;
 use crate::engine::machines;
 use crate::engine::words::{ALWAYS_HOLDS, DischargeEntry, DischargeRuleName};
-use crate::report::html::parts::table_of;
+use crate::report::html::parts::{formula, names, table_of};
 use crate::source::{SourceMap, Span};
 use maud::{Markup, html};
 
@@ -16,6 +16,8 @@ struct Premise {
     /// The formula in the notation of contracts, or a sentence.
     says: Says,
     kind: &'static str,
+    /// The proof that rests on it.
+    proof: String,
     /// What it rests on; empty if nothing is known of it.
     by: String,
     place: Option<Span>,
@@ -33,7 +35,10 @@ pub(super) fn of_machine(
     machine: Option<&Machine>,
     sources: &SourceMap,
 ) -> Markup {
-    shown(&machine_premises(entry, machine, ""), sources)
+    html! {
+        (refinements([entry]))
+        (shown(&machine_premises(entry, machine, ""), sources))
+    }
 }
 
 /// The premises of the proof of a line, with those of its machines.
@@ -53,6 +58,7 @@ pub(super) fn of_line(
         name: premise.name.clone(),
         says: Says::Words(premise.text.clone()),
         kind: "assumed about the surroundings of the line",
+        proof: entry.name.clone(),
         by: String::new(),
         place: Some(premise.place),
     }));
@@ -60,6 +66,7 @@ pub(super) fn of_line(
         name: format!("work_of_{station}_ends"),
         says: Says::Words(format!("the work of {station} always ends")),
         kind: "assumed, because the station is given by its times and has no controller",
+        proof: entry.name.clone(),
         by: String::new(),
         place: place(station),
     }));
@@ -68,6 +75,7 @@ pub(super) fn of_line(
         name: named("", discharge),
         says: Says::Words(String::new()),
         kind: kind(discharge).unwrap_or_default(),
+        proof: entry.name.clone(),
         by: discharge.by.clone(),
         place: place(&discharge.component),
     }));
@@ -76,11 +84,15 @@ pub(super) fn of_line(
         machines.map(|machine| machine.name.as_str()).collect()
     });
     let known = document.machines.iter();
-    for machine in known.filter(|machine| of_line.contains(&machine.name.as_str())) {
+    let known = known.filter(|machine| of_line.contains(&machine.name.as_str()));
+    for machine in known.clone() {
         let declared = declared(machine, loaded);
         premises.extend(machine_premises(machine, declared, &machine.name));
     }
-    shown(&premises, sources)
+    html! {
+        (refinements(known))
+        (shown(&premises, sources))
+    }
 }
 
 /// The machine of an entry.
@@ -94,10 +106,16 @@ pub(super) fn declared<'a>(entry: &MachineEntry, loaded: &'a LoadedFiles) -> Opt
 
 /// The premises of a machine's proof. `owner` comes before each name; empty for none.
 fn machine_premises(entry: &MachineEntry, machine: Option<&Machine>, owner: &str) -> Vec<Premise> {
-    let refined = entry.refines.iter().flat_map(|refined| &refined.discharges);
-    let outside = entry.discharges.iter().chain(refined);
-    let outside = outside.filter_map(|discharge| Some((discharge, kind(discharge)?)));
-    let premises = outside.map(|(discharge, kind)| {
+    let own = entry.discharges.iter();
+    let own = own.map(|discharge| (entry.name.clone(), discharge));
+    let refined = entry.refines.iter().flat_map(|refined| {
+        let proof = format!("{} refines {}", entry.name, refined.contract);
+        let discharges = refined.discharges.iter();
+        discharges.map(move |discharge| (proof.clone(), discharge))
+    });
+    let outside = own.chain(refined);
+    let outside = outside.filter_map(|(proof, d)| Some((proof, d, kind(d)?)));
+    let premises = outside.map(|(proof, discharge, kind)| {
         let formula = machine.and_then(|machine| {
             let mut components = machine.components.iter();
             let component = components.find(|c| c.name == discharge.component)?;
@@ -111,6 +129,7 @@ fn machine_premises(entry: &MachineEntry, machine: Option<&Machine>, owner: &str
                 None => Says::Words(String::new()),
             },
             kind,
+            proof,
             by: discharge.by.clone(),
             place: formula.map(|formula| formula.span),
         }
@@ -147,19 +166,38 @@ fn shown(premises: &[Premise], sources: &SourceMap) -> Markup {
         let file = &sources.file(span.file).name;
         format!("{file}:{}", sources.start(span).line)
     };
+    let are_several = premises.iter().any(|of| of.proof != premises[0].proof);
+    let mut headings = vec!["Premise", "What it says", "Why the proof may use it"];
+    headings.extend(are_several.then_some("In the proof of"));
+    headings.push("Place");
     html! {
         h4 { "What the proof rests on" }
         p { "The proof holds provided that these premises do, and that every controller keeps its contract." }
-        (table_of("Premises", &["Premise", "What it says", "Why the proof may use it", "Place"], &html! {
+        @if are_several { p { "The same assumption can be a premise of several proofs, each time for a reason of its own." } }
+        (table_of("Premises", &headings, &html! {
             @for premise in premises { tr {
-                th scope="row" { (premise.name) }
+                th scope="row" { (names(&premise.name)) }
                 td { @match &premise.says {
-                    Says::Formula(formula) => code { (formula) },
+                    Says::Formula(text) => (formula(text)),
                     Says::Words(words) => (words),
                 } }
-                td { (premise.kind) @if !premise.by.is_empty() { ": " (premise.by) } }
+                td { (premise.kind) @if !premise.by.is_empty() { ": " (names(&premise.by)) } }
+                @if are_several { td { (premise.proof) } }
                 td { @if let Some(span) = premise.place { (place(span)) } }
             } }
         }))
+    }
+}
+
+/// What it means that machines refine contracts.
+fn refinements<'a>(machines: impl IntoIterator<Item = &'a MachineEntry>) -> Markup {
+    let pairs = machines.into_iter().flat_map(|machine| {
+        let refined = machine.refines.iter();
+        refined.map(|refined| (&machine.name, &refined.contract))
+    });
+    html! {
+        @for (machine, contract) in pairs { p {
+            (contract) " is a contract of the machine " (machine) " as a whole. " (machine) " is declared to refine it: a proof of its own has to show that all components together keep it, as long as the assumptions of " (contract) " hold."
+        } }
     }
 }

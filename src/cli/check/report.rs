@@ -2,26 +2,28 @@
 
 use super::assembly::Assembly;
 use super::document::{ContractEntry, Document, LineEntry, MachineEntry, PlayEntry, SkillsEntry};
-use super::table::{Mark, by_severity, in_words, line_verdict, seconds, summary_of_verdicts, term};
+use super::table::{Mark, by_severity, in_words, line_verdict, summary_of_verdicts, term};
 use super::{changes, explained, flow, grounds};
 use crate::contract::line::Line;
-use crate::contract::{Contract, picture as machine_picture};
+use crate::contract::machine::Machine;
+use crate::contract::{Contract, Definition, picture as machine_picture};
 use crate::diagnostics::codes;
 use crate::diagnostics::json::Finding;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::{ClosedVerdict, RefinementVerdict};
 use crate::engine::pipeline::{CheckedContract, Verdict};
 use crate::engine::words::{DischargeEntry, DischargeRuleName};
-use crate::gr1::Formula;
+use crate::gr1::{Formula, Specification};
 use crate::line::picture as line_picture;
 use crate::report::html::contract::Rank;
 use crate::report::html::parts::{
-    Origin, count, drawing, figure, figures, findings, links, origin, section, table, table_of,
-    tile,
+    Origin, count, drawing, figure, figures, findings, formula, links, names, origin, section,
+    table, table_of, tile,
 };
 use crate::report::html::{self, contract as parts};
 use crate::source::SourceMap;
 use maud::{Markup, html};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns the page. It is the same for the same result.
 pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>) -> String {
@@ -180,26 +182,42 @@ fn results(document: &Document) -> Markup {
             kind: "contract",
             mark: c.verdict.into(),
             verdict: in_words(c.verdict),
-            details: term(&c.codes),
+            details: terms(&c.codes),
             file: &c.file,
             findings: &c.findings,
         });
     }
-    let headings = ["Name", "Kind", "Verdict", "Details", "File", "Findings"];
-    table_of(
-        "Results",
-        &headings,
-        &html! {
+    let has_details = rows.iter().any(|row| !row.details.is_empty());
+    let mut headings = vec!["Name", "Kind", "Verdict"];
+    headings.extend(has_details.then_some("Details"));
+    headings.extend(["File", "Findings"]);
+    let codes = document.contracts.iter().flat_map(|c| &c.codes);
+    html! {
+        (table_of("Results", &headings, &html! {
             @for row in &rows { tr {
                 th scope="row" { a href=(format!("#{}", row.id)) { (row.name) } }
                 td { (row.kind) }
                 td.(row.mark.with(row.findings).class()) { (row.verdict) }
-                td { (row.details) }
+                @if has_details { td { (row.details) } }
                 td { (row.file) }
                 td.counts { @match by_severity(row.findings).as_str() { "" => "none", counts => (counts) } }
             } }
-        },
-    )
+        }))
+        @if let Some(standards) = parts::standards(codes.map(String::as_str)) { p.hint { (standards) } }
+    }
+}
+
+/// `vdi:Drehen Rotating, +1 more code`: the first code with its English term, and how many more
+/// there are.
+fn terms(codes: &[String]) -> String {
+    let Some((first, more)) = codes.split_first() else {
+        return String::new();
+    };
+    let term = term(std::slice::from_ref(first));
+    match more.len() {
+        0 => term,
+        number => format!("{term}, +{}", count(number, "more code")),
+    }
 }
 
 /// The anchor of a declaration. Several files can declare the same name.
@@ -249,6 +267,7 @@ fn contract(
         @if let Some((contract, _)) = known {
             details {
                 summary { "Interface and rules" }
+                (parts::parameters(contract))
                 (parts::interface(&contract.specification, Rank::Declaration))
                 (parts::rules(&contract.specification, assembly.loaded.library.definitions_of(contract), sources, Rank::Declaration))
             }
@@ -341,7 +360,7 @@ fn named_rules<'a>(
             @for name in names { tr {
                 th scope="row" { (name) }
                 @if let Some(formula) = of(name) {
-                    td { code { (formula.text) } }
+                    td { (self::formula(&formula.text)) }
                     td { (sources.file(formula.span.file).name) ":" (sources.start(formula.span).line) }
                 } @else { td {} td {} }
             } }
@@ -388,7 +407,7 @@ fn machine(assembly: &Assembly<'_>, number: usize, entry: &MachineEntry) -> Mark
             }
         }
         (grounds::of_machine(entry, known, sources))
-        (discharges(&entry.discharges))
+        (discharges(&entry.discharges, false))
         @for refined in &entry.refines {
             h4 { "Refinement of " (refined.contract) }
             p { (match refined.verdict {
@@ -396,7 +415,14 @@ fn machine(assembly: &Assembly<'_>, number: usize, entry: &MachineEntry) -> Mark
                 RefinementVerdict::Broken => "The machine does not keep this contract; it meets these obligations (they are discharged).",
                 RefinementVerdict::GaveUp => "Whether the machine keeps this contract was not decided within the limits.",
             }) }
-            (discharges(&refined.discharges))
+            @if let Some(specification) = known.and_then(|machine| specification_of(machine, &refined.contract)) {
+                details {
+                    summary { "Interface and rules of " (refined.contract) }
+                    (parts::interface(specification, Rank::Declaration))
+                    (parts::rules(specification, definitions_of(assembly, &refined.contract), sources, Rank::Declaration))
+                }
+            }
+            (discharges(&refined.discharges, false))
         }
         (findings(sources, &entry.findings))
     };
@@ -410,25 +436,70 @@ fn machine(assembly: &Assembly<'_>, number: usize, entry: &MachineEntry) -> Mark
     )
 }
 
-/// How each assumption is met, and what this rests on.
-fn discharges(discharges: &[DischargeEntry]) -> Markup {
+/// The specification of a contract that a machine refines.
+fn specification_of<'a>(machine: &'a Machine, contract: &str) -> Option<&'a Specification> {
+    let mut refined = machine.refines.iter();
+    let refined = refined.find(|refined| refined.contract == contract)?;
+    Some(&refined.specification)
+}
+
+/// The definitions of the rules of a contract that a machine refines.
+fn definitions_of<'a>(assembly: &'a Assembly<'_>, contract: &str) -> &'a [Definition] {
+    let library = &assembly.loaded.library;
+    let known = library.contracts.iter().find(|c| c.name == contract);
+    known.map_or(&[], |contract| library.definitions_of(contract))
+}
+
+/// How each assumption is met, what this rests on, and what the rules say that are named: in words
+/// for a line, which has no text for them.
+fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
     if discharges.is_empty() {
         return html! {};
     }
-    let rows = discharges.iter();
-    let rows = rows.map(|d| {
-        vec![
-            format!("{}: {}", d.component, d.assumption),
-            argument(d),
-            d.by.clone(),
-        ]
-    });
     html! {
         details {
             summary { "How each of " (figures(discharges.len())) " assumptions and guarantees is met (discharged)" }
-            (table(&["Assumption or guarantee", "Why it holds", "Rests on"], &rows.collect::<Vec<_>>()))
+            (table_of("Discharges", &["Assumption or guarantee", "Why it holds", "Rests on"], &html! {
+                @for d in discharges { tr {
+                    th scope="row" { (names(&format!("{}: {}", d.component, d.assumption))) }
+                    td { (argument(d)) }
+                    td { (names(&d.by)) }
+                } }
+            }))
+            p { "What the rules say that are named above:" }
+            (table_of("Rules", &["Rule", "What it says"], &html! {
+                @for (name, text) in what_rules_say(discharges) { tr {
+                    th scope="row" { (names(&name)) }
+                    td { @if in_words { (text) } @else { (formula(text)) } }
+                } }
+            }))
         }
     }
+}
+
+/// The rules that are named in discharges, with their texts. The name of the owner is left out if
+/// the rule says the same wherever it occurs.
+fn what_rules_say(discharges: &[DischargeEntry]) -> Vec<(String, &str)> {
+    let mut rules: BTreeMap<&str, BTreeMap<&str, BTreeSet<&str>>> = BTreeMap::new();
+    for rule in discharges.iter().flat_map(|d| &d.formulas) {
+        let texts = rules.entry(&rule.name).or_default();
+        texts.entry(&rule.text).or_default().insert(&rule.owner);
+    }
+    let named = rules.into_iter().flat_map(|(name, texts)| {
+        let are_several = texts.len() > 1;
+        texts.into_iter().map(move |(text, owners)| {
+            let owners: Vec<&str> = owners
+                .into_iter()
+                .filter(|owner| !owner.is_empty())
+                .collect();
+            if are_several && !owners.is_empty() {
+                (format!("{}: {name}", owners.join(", ")), text)
+            } else {
+                (name.to_owned(), text)
+            }
+        })
+    });
+    named.collect()
 }
 
 /// Why an obligation holds, in plain words with the term of the field.
@@ -463,9 +534,9 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
         vec![
             w.station.clone(),
             w.part.clone(),
-            seconds(w.seconds),
-            seconds(w.action_seconds),
-            seconds(w.control_seconds),
+            flow::range(w.seconds),
+            flow::range(w.action_seconds),
+            flow::range(w.control_seconds),
         ]
     });
     let library = &assembly.loaded.library;
@@ -498,9 +569,10 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
         }
         @if !entry.work.is_empty() {
             h4 { "Time of the work on a part, without failures" }
+            p { "Actions: the time in which some action of the machine goes on. Control: the time of the steps in which none does, such as those in which the coordinator begins an action or notices its end; each takes as long as the " code { "step" } " of the machine. Both together are the work." }
             (table(&["Station", "Part", "Work", "Actions", "Control"], &work.collect::<Vec<_>>()))
         }
-        (discharges(&entry.discharges))
+        (discharges(&entry.discharges, true))
         (findings(sources, &entry.findings))
     };
     let verdict = match proof_in_words(entry) {
@@ -515,4 +587,57 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
         &entry.findings,
         &inside,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::words::NamedFormula;
+
+    #[test]
+    fn codes_are_counted_in_words() {
+        let codes = |codes: &[&str]| {
+            let codes: Vec<String> = codes.iter().map(|code| (*code).to_owned()).collect();
+            terms(&codes)
+        };
+        assert_eq!(codes(&[]), "");
+        assert_eq!(codes(&["vdi:Drehen"]), "vdi:Drehen Rotating");
+        assert_eq!(
+            codes(&["vdi:Drehen", "din:4.1"]),
+            "vdi:Drehen Rotating, +1 more code"
+        );
+    }
+
+    #[test]
+    fn rules_that_say_the_same_are_one() {
+        let rule = |owner: &str, name: &str, text: &str| NamedFormula {
+            owner: owner.to_owned(),
+            name: name.to_owned(),
+            text: text.to_owned(),
+        };
+        let entry = |formulas| DischargeEntry {
+            component: String::new(),
+            assumption: String::new(),
+            rule: DischargeRuleName::Induction,
+            turn: None,
+            by: String::new(),
+            formulas,
+        };
+        let entries = [
+            entry(vec![
+                rule("belt", "one_at_a_time", "one"),
+                rule("cell", "takes_in_the_end", "if there is room"),
+            ]),
+            entry(vec![
+                rule("cell", "one_at_a_time", "one"),
+                rule("belt", "takes_in_the_end", "if it is not full"),
+            ]),
+        ];
+        let wanted = [
+            ("one_at_a_time".to_owned(), "one"),
+            ("belt: takes_in_the_end".to_owned(), "if it is not full"),
+            ("cell: takes_in_the_end".to_owned(), "if there is room"),
+        ];
+        assert_eq!(what_rules_say(&entries), wanted);
+    }
 }

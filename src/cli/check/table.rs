@@ -399,7 +399,7 @@ fn work(document: &Document) -> String {
 }
 
 /// A time with its least and greatest value: `2.8 s`, or `2.8 s to 4 s`.
-pub(super) fn seconds([least, greatest]: [f64; 2]) -> String {
+fn seconds([least, greatest]: [f64; 2]) -> String {
     if least < greatest {
         format!("{} to {}", duration(least), duration(greatest))
     } else {
