@@ -155,7 +155,6 @@ fn play(page: &Page<'_>, steps: &[Vec<i64>], title: &str) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linewright_core::source::SourceMap;
     use linewright_language::contract::load;
 
     #[test]
@@ -183,7 +182,7 @@ mod tests {
                 origin: Origin {
                     command: "linewright step lamp.lw --script lamp.txt",
                     version: "0",
-                    sources: &SourceMap::default(),
+                    sources: &library.sources,
                     findings: &[],
                 },
             })
