@@ -12,7 +12,7 @@ use crate::diagnostics::json::Finding;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::{ClosedVerdict, RefinementVerdict};
 use crate::engine::pipeline::{CheckedContract, Verdict};
-use crate::engine::words::{DischargeEntry, DischargeRuleName};
+use crate::engine::words::{ALWAYS_HOLDS, DischargeEntry, DischargeRuleName};
 use crate::gr1::{Formula, Specification};
 use crate::line::picture as line_picture;
 use crate::report::html::contract::Rank;
@@ -505,6 +505,7 @@ fn what_rules_say(discharges: &[DischargeEntry]) -> Vec<(String, &str)> {
 /// Why an obligation holds, in plain words with the term of the field.
 fn argument(discharge: &DischargeEntry) -> String {
     match (discharge.rule, discharge.turn) {
+        _ if discharge.by == ALWAYS_HOLDS => "needs no premise".to_owned(),
         (DischargeRuleName::Environment, _) => "assumed about the environment".to_owned(),
         (DischargeRuleName::Exported, _) => "left to the caller".to_owned(),
         (DischargeRuleName::Induction, _) => {

@@ -234,7 +234,7 @@ fn located(sources: &SourceMap, place: &Place, remark: &str) -> Markup {
     html! {
         p.place {
             (place.file) ":" (place.line)
-            @if !remark.is_empty() { ", " (remark) }
+            @if !remark.is_empty() { ", " (with_code(remark)) }
             @if let Some(line) = line { br; (formula(line.trim())) }
         }
     }

@@ -402,7 +402,7 @@ fn yields(page: &Page<'_>) -> Markup {
     ];
     html! {
         h3 { "First-pass yield" }
-        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Rework: a station began to work on the part for the second time; alike stations in parallel are one. A joined part is a new part: what a station does to it is no rework, even if the same station has worked on a part in it before. If it is reworked itself, so are all parts in it. The yield is their share of all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
+        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Rework: a station began to work on the part for the second time; alike stations in parallel are one. A joined part is a new part: what a station does to it is no rework, even if the same station has worked on a part in it before. If it is reworked itself, so are all parts in it. The yield is the share of the parts without rework in all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
         (table(&headings, &rows))
     }
 }
