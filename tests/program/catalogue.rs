@@ -228,9 +228,10 @@ fn states(entry: &Entry) -> (String, bool) {
     let is_large = texts
         .iter()
         .any(|(text, _)| text == &format!("S{MAX_STATES}"));
-    match is_large && has_phases {
-        true => (draw(&["--by", "phase"]), true),
-        false => (all, false),
+    if is_large && has_phases {
+        (draw(&["--by", "phase"]), true)
+    } else {
+        (all, false)
     }
 }
 
@@ -285,9 +286,10 @@ fn fits(first: &Entry, second: &Entry, wires: &[(&Entry, &str, &str)]) -> String
 
 /// A link from the page of one contract to that of another.
 fn link(from: &Entry, to: &Entry) -> String {
-    let page = match from.group() == to.group() {
-        true => format!("{}.md", to.stem()),
-        false => format!("../{}.md", to.place),
+    let page = if from.group() == to.group() {
+        format!("{}.md", to.stem())
+    } else {
+        format!("../{}.md", to.place)
     };
     format!("[`{}`]({page})", to.name())
 }
@@ -374,12 +376,11 @@ fn page(entry: &Entry, entries: &[Entry], machines: &[Machine], by_phase: bool) 
         let _ = writeln!(text, "| {kind} | {} | `{domain}` |", names.join(", "));
     }
     let stem = entry.stem();
-    let (command, drawn) = match by_phase {
-        true => (
-            " --by phase",
-            "The phases of its controller, and which may follow which",
-        ),
-        false => ("", "The states of its controller"),
+    let (command, drawn) = if by_phase {
+        let drawn = "The phases of its controller, and which may follow which";
+        (" --by phase", drawn)
+    } else {
+        ("", "The states of its controller")
     };
     let file = entry.file();
     let _ = writeln!(

@@ -116,9 +116,9 @@ fn order_of_links(graph: &Graph, placement: &Placement) -> Vec<usize> {
     // By link: those that lead over its label.
     let mut after: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
     let mut before = vec![0_usize; links.len()];
-    for number in 0..links.len() {
+    for (number, after) in after.iter_mut().enumerate() {
         for over in (0..links.len()).filter(|over| leads_over(*over, number)) {
-            after[number].push(over);
+            after.push(over);
             before[over] += 1;
         }
     }
