@@ -1,6 +1,6 @@
 //! Cost of a controller as a function of each size of the laboratory's contracts, one parameter at
-//! a time, of one contract of each group of DIN 8580 at two sizes, and the total cost of the line at
-//! real size.
+//! a time, of one contract of each group of DIN 8580 at two sizes, and the total cost of the line
+//! at real size.
 //!
 //! Each row is one `linewright synth` as a user runs it, on a copy of the contract with another
 //! default for the parameter: user and system time of the process, the peak number of BDD nodes,

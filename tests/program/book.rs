@@ -96,8 +96,8 @@ fn the_words_of_a_report_are_explained() {
     }
 }
 
-/// The tables in `contracts/README.md` list every contract and every machine of the library with its
-/// import.
+/// The tables in `contracts/README.md` list every contract and every machine of the library with
+/// its import.
 #[test]
 fn the_table_of_the_library_is_complete() {
     let folder = root().join("contracts");

@@ -12,6 +12,8 @@ fn page(folder: &Path, arguments: &[&str]) -> String {
 /// The text of elements, with single blanks between words.
 fn text(html: &str) -> String {
     let mut shown = String::new();
+    // Long names may be broken, but are one word.
+    let html = html.replace("<wbr>", "");
     for (index, piece) in html.split('<').enumerate() {
         let inside = match piece.split_once('>') {
             Some((_, inside)) if index > 0 => inside,

@@ -7,7 +7,8 @@
 use super::machines::{Subject, as_functions, fixtures, named, of_library, shipped};
 use super::programs::{Host, Prepared};
 
-/// Number of calls of the long run, of the others, and of those on the many machines of the library.
+/// Number of calls of the long run, of the others, and of those on the many machines of the
+/// library.
 const MANY: u64 = 10_000_000;
 const SOME: u64 = 200_000;
 const FEW: u64 = 20_000;

@@ -227,13 +227,13 @@ fn placed(graph: &Graph, direction: Direction) -> Placed {
     Placed { placement, boxes }
 }
 
-/// How far the links at a crowded side lead straight away from the box, and where they then bend; at
-/// most these parts of the way to the next layer.
+/// How far the links at a crowded side lead straight away from the box, and where they then bend;
+/// at most these parts of the way to the next layer.
 const STRAIGHT: [f64; 2] = [12.0, 24.0];
 const STRAIGHT_PARTS: [f64; 2] = [0.4, 0.8];
 
-/// Lets the links at the crowded sides of boxes end at right angles to them: steep ones would lie on
-/// one another, with their heads.
+/// Lets the links at the crowded sides of boxes end at right angles to them: steep ones would lie
+/// on one another, with their heads.
 fn straighten(links: &[Link], placement: &mut Placement, direction: Direction) {
     let ends = link_ends(links, placement, direction);
     for (number, link) in links.iter().enumerate() {

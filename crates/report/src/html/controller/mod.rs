@@ -206,8 +206,8 @@ fn states(
     }
 }
 
-/// The rows of the table of transitions: first those from the start, which are taken in step 0, then
-/// those of the first states.
+/// The rows of the table of transitions: first those from the start, which are taken in step 0,
+/// then those of the first states.
 fn rows_of_transitions(machine: &Machine) -> Vec<[String; 4]> {
     let initial = std::iter::once(("start".to_owned(), &machine.initial));
     let states = machine.states.iter().enumerate().take(MAX_LISTED);
