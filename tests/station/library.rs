@@ -11,6 +11,7 @@ use linewright::gr1::Specification;
 use linewright::mealy::Controller;
 use linewright::mealy::functions::Functions;
 use linewright::source::Span;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -31,6 +32,9 @@ const CASE_STUDY: [&str; 11] = [
     "Single",
     "Turn",
 ];
+
+/// Examples that are built from the library's machines only.
+const OF_THE_LIBRARY: [&str; 3] = ["battery", "machining", "sheet-metal"];
 
 /// Contracts of the line at real size.
 const LARGE_NAMES: [&str; 4] = ["Mill", "Inspect", "Move", "Turn"];
@@ -82,8 +86,8 @@ fn specifications(folder: &Path, found: &mut Vec<Arc<Specification>>) {
     for path in entries {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.as_ref();
-        if name == "repair-me" {
-            // Some of these have no controller.
+        // Some of the contracts to repair have no controller.
+        if name == "repair-me" || OF_THE_LIBRARY.contains(&name) {
             continue;
         }
         if path.is_dir() {
@@ -145,7 +149,11 @@ fn machines_of_the_library() -> (Vec<Controlled>, usize) {
     let mut found = Vec::new();
     specifications(&crate::support::root().join("contracts"), &mut found);
     let are_all = std::env::var("LINEWRIGHT_CONTRACTS").is_ok_and(|which| which == "all");
-    found.retain(|s| are_all || CASE_STUDY.contains(&s.name.as_str()));
+    if !are_all {
+        // Each by default, not as the components of machines.
+        let mut known = BTreeSet::new();
+        found.retain(|s| CASE_STUDY.contains(&s.name.as_str()) && known.insert(s.name.clone()));
+    }
     let library = found.len();
     assert!(library >= CASE_STUDY.len(), "{library} contracts");
     specifications(&crate::support::root().join("examples"), &mut found);
