@@ -6,7 +6,7 @@
 //! controller exists. A contract promises less than in the last version only if the library has a
 //! new major version.
 
-use crate::support::{linewright, root};
+use crate::support::{files_below, linewright, root};
 use linewright::algebra::join::{Member, Sharing, join};
 use linewright::algebra::refine::refine;
 use linewright::contract;
@@ -128,22 +128,12 @@ fn library() -> PathBuf {
 
 /// The texts of all files, with their paths below `contracts`, in order.
 fn texts() -> Vec<(PathBuf, String)> {
-    fn visit(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
-        let entries = std::fs::read_dir(folder).expect("a folder");
-        for path in entries.map(|entry| entry.expect("an entry").path()) {
-            if path.is_dir() {
-                visit(&path, found);
-            } else if path.extension().is_some_and(|end| end == "lw") {
-                let text = std::fs::read_to_string(&path).expect("text");
-                let below = path.strip_prefix(library()).expect("a file of the library");
-                found.push((below.to_owned(), text));
-            }
-        }
-    }
-    let mut found = Vec::new();
-    visit(&library(), &mut found);
-    found.sort();
-    found
+    let texts = files_below(&library(), &["lw"]).into_iter().map(|path| {
+        let text = std::fs::read_to_string(&path).expect("text");
+        let below = path.strip_prefix(library()).expect("a file of the library");
+        (below.to_owned(), text)
+    });
+    texts.collect()
 }
 
 /// Whether a file declares a machine. Contracts beside it simulate the plant.

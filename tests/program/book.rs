@@ -2,8 +2,8 @@
 //! construct of the grammar has a section, and what is generated is up to date
 //! (`INSTA_UPDATE=always` writes it anew).
 
-use super::imports::files_below;
 use super::support;
+use super::support::files_below;
 use clap::{Command, CommandFactory as _};
 use linewright::diagnostics::{codes, explanations};
 use std::collections::{BTreeMap, BTreeSet};

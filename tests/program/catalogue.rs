@@ -5,8 +5,8 @@
 //! The commands of the pages are run with those of the other pages (`readme.rs`).
 
 use super::drawings::{Drawing, loaded};
-use super::imports::files_below;
 use super::support;
+use super::support::files_below;
 use linewright::contract::Contract;
 use linewright::taxonomy;
 use rayon::prelude::*;
@@ -30,7 +30,7 @@ struct Machine {
     name: String,
     /// Below `contracts`, without the ending.
     place: String,
-    /// The places of the contracts that it imports.
+    /// The contracts of its components.
     uses: Vec<String>,
     /// The first sentence of its comment.
     summary: String,
@@ -71,44 +71,26 @@ fn entries(texts: &BTreeMap<String, String>) -> Vec<Entry> {
 
 /// The machines, in the order of their places.
 fn machines(texts: &BTreeMap<String, String>) -> Vec<Machine> {
-    let mut found = Vec::new();
-    for (place, text) in texts {
-        let declared = text
-            .lines()
-            .filter_map(|line| line.strip_prefix("machine "));
-        let group = place.split('/').next().unwrap_or_default();
-        for name in declared.map(name_of) {
-            let uses = text.lines().filter_map(|line| {
-                let file = line.strip_prefix("import \"")?.strip_suffix(".lw\"")?;
-                let elsewhere = file.strip_prefix("../").map(str::to_owned);
-                Some(elsewhere.unwrap_or_else(|| format!("{group}/{file}")))
-            });
-            let comment = text
-                .lines()
-                .take_while(|line| !line.starts_with("machine "));
-            let comment: Vec<&str> = comment.collect();
-            let start = comment.iter().rposition(|line| !line.starts_with("///"));
-            let comment = &comment[start.map_or(0, |line| line + 1)..];
-            let words = comment
-                .iter()
-                .map(|line| line.trim_start_matches('/').trim());
-            let words = words.collect::<Vec<_>>().join(" ");
+    let with_machine = texts
+        .iter()
+        .filter(|(_, text)| text.lines().any(|line| line.starts_with("machine ")));
+    let machines = with_machine.flat_map(|(place, _)| {
+        let path = Path::new("contracts").join(place).with_extension("lw");
+        let (library, _) = loaded(&support::root().join(path));
+        let machines = library.machines.into_iter();
+        machines.map(|machine| {
+            let words = machine.doc.lines().collect::<Vec<_>>().join(" ");
             let end = words.find(". ").map_or(words.len(), |end| end + 1);
-            found.push(Machine {
-                name: name.to_owned(),
+            let components = machine.components.iter();
+            Machine {
+                name: machine.name.clone(),
                 place: place.clone(),
-                uses: uses.collect(),
+                uses: components.map(|c| c.contract.clone()).collect(),
                 summary: words[..end].to_owned(),
-            });
-        }
-    }
-    found
-}
-
-/// The name at the beginning of a text.
-fn name_of(text: &str) -> &str {
-    let end = text.find(|c: char| !c.is_alphanumeric() && c != '_');
-    &text[..end.unwrap_or(text.len())]
+            }
+        })
+    });
+    machines.collect()
 }
 
 /// What a file of the library is imported as.
@@ -300,7 +282,7 @@ fn neighbours(entry: &Entry, entries: &[Entry], machines: &[Machine]) -> String 
     let mut text = String::new();
     let own = machines
         .iter()
-        .filter(|machine| machine.uses.contains(&entry.place));
+        .filter(|machine| machine.uses.contains(&entry.contract.name));
     let own: Vec<String> = own
         .map(|machine| format!("`{}` (`import {}`)", machine.name, import(&machine.place)))
         .collect();

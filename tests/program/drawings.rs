@@ -2,8 +2,8 @@
 //! is drawn, and each drawing is read back: it is at most 1,600 units wide, no text is on another
 //! one, and nothing is outside. The pictures of the guide are what their commands draw.
 
-use super::imports::files_below;
 use super::support;
+use super::support::files_below;
 use linewright::contract::{Library, load, picture as machine_picture};
 use linewright::diagnostics::Diagnostic;
 use linewright::gr1::{Time, VarId};

@@ -2,6 +2,7 @@
 //! that each crate may have, and within a crate of several modules the order in which these may
 //! import each other. Sources are read as text; comments and strings do not count.
 
+use super::support::files_below;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -231,23 +232,6 @@ fn raw_string(text: &str) -> Option<usize> {
     let end = format!("\"{}", "#".repeat(hashes));
     let open = 1 + hashes + 1;
     text[open..].find(&end).map(|at| open + at + end.len())
-}
-
-/// The files with one of these extensions in a folder and its subfolders, in order.
-pub(super) fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    let entries = std::fs::read_dir(folder).expect("the folder can be read");
-    for entry in entries {
-        let path = entry.expect("the folder can be read").path();
-        let extension = path.extension().and_then(|e| e.to_str());
-        if path.is_dir() {
-            files.extend(files_below(&path, extensions));
-        } else if extension.is_some_and(|e| extensions.contains(&e)) {
-            files.push(path);
-        }
-    }
-    files.sort();
-    files
 }
 
 /// The dependencies of a manifest, without those of tests.

@@ -9,8 +9,8 @@
 //! name (```` ```lw cell.lw ````) is written to that file first. trycmd supports none of shells,
 //! cargo, and files, hence this small runner.
 
-use crate::imports::files_below;
 use crate::support;
+use crate::support::files_below;
 use clap::CommandFactory as _;
 use rayon::prelude::*;
 use std::fmt::Write as _;

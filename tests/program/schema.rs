@@ -2,7 +2,7 @@
 //! Wherever tests run the program by `support::linewright` or a `Session`, what it prints is
 //! compared with its schema too.
 
-use super::imports::files_below;
+use super::support::files_below;
 use crate::support::documents::{assert_files_valid, assert_valid, faults, faults_by};
 use crate::support::{PROGRAM, linewright, root, sandbox};
 use clap::CommandFactory as _;

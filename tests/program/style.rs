@@ -1,6 +1,6 @@
 //! Formatting rules of CONTRIBUTING.md that no tool checks.
 
-use super::imports::files_below;
+use super::support::files_below;
 use std::fmt::Write as _;
 use std::path::Path;
 

@@ -84,6 +84,23 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+/// The files with one of these extensions in a folder and its subfolders, in order.
+pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let entries = std::fs::read_dir(folder).expect("the folder can be read");
+    for entry in entries {
+        let path = entry.expect("the folder can be read").path();
+        let extension = path.extension().and_then(|e| e.to_str());
+        if path.is_dir() {
+            files.extend(files_below(&path, extensions));
+        } else if extension.is_some_and(|e| extensions.contains(&e)) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    files
+}
+
 /// The Markdown files with a name in the repository, without sources and build results.
 pub fn files_named(name: &str) -> Vec<PathBuf> {
     fn visit(folder: &Path, name: &str, found: &mut Vec<PathBuf>) {

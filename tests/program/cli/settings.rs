@@ -1,7 +1,7 @@
 //! `run --set NAME=VALUE`: numbers of a line from the command line.
 
 use super::session::Session;
-use crate::imports::files_below;
+use crate::support::files_below;
 use crate::support::{PROGRAM, documents, root};
 use linewright::contract::Library;
 use linewright::contract::line::Line;

@@ -185,17 +185,15 @@ impl Target<'_> {
             let names = slot.names.iter().filter(|n| unique.contains(n.as_str()));
             let (value, place) = match slot.present {
                 None => (None, None),
-                Some(Present::Text(span)) => (Some(sources.text(span).to_owned()), Some(span)),
+                Some(Present::Text(span) | Present::PerStep(span)) => {
+                    (Some(sources.text(span).to_owned()), Some(span))
+                }
                 Some(Present::Count(count)) => (Some(count.to_string()), None),
             };
-            let per_step = place.is_some_and(|span| {
-                let behind = &sources.file(span.file).text[span.end as usize..];
-                behind.trim_start().starts_with("per step")
-            });
             SettableNumber {
                 names: names.cloned().collect(),
                 value,
-                per_step,
+                per_step: matches!(slot.present, Some(Present::PerStep(_))),
                 place,
             }
         });

@@ -36,6 +36,8 @@ pub(super) struct Slot<'t> {
 pub(super) enum Present {
     /// Its place in the file.
     Text(Span),
+    /// The same, of a time for each step of an action.
+    PerStep(Span),
     /// A whole number.
     Count(u64),
 }
@@ -575,7 +577,11 @@ impl Slots<'_> {
             if let Some((time, per_step)) = &mut c.time
                 && used.works
             {
-                let present = Some(Present::Text(time.span));
+                let present = Some(if *per_step {
+                    Present::PerStep(time.span)
+                } else {
+                    Present::Text(time.span)
+                });
                 let names = name(&c.name, "time");
                 self.slot(names, ValueSyntax::ActionTime, present, |new| {
                     let (new, words) = expression(new);
