@@ -38,34 +38,78 @@ impl Key {
     fn choice(c: Link, a: Link, b: Link) -> Self {
         Self([c.0, a.0, b.0])
     }
+
+    /// Returns the operands that are functions; those missing are the constant true.
+    pub fn functions(self) -> [Link; 3] {
+        let [a, b, c] = self.0;
+        let c = match (a & FLAG, c & FLAG) {
+            (0, 0) => c,
+            (0, _) => c & !FLAG,
+            (_, _) => Link::TRUE.0,
+        };
+        [Link(a & !FLAG), Link(b), Link(c)]
+    }
+}
+
+/// What is known of the result of an operation before it is computed.
+enum Search {
+    /// The result is one of the operands or a constant, or the cache has it.
+    Known(Link),
+    /// The operands in the order of the key, and the place of the result in the cache.
+    Open { a: Link, b: Link, place: usize },
 }
 
 impl Store {
     /// `a ∧ b`
     pub fn and(&mut self, a: Link, b: Link) -> Result<Link, Stop> {
+        match self.find_and(a, b) {
+            Search::Known(result) => Ok(result),
+            Search::Open { a, b, place } => self.compute_and(a, b, place),
+        }
+    }
+
+    /// Looks up `a ∧ b`.
+    #[inline]
+    fn find_and(&self, a: Link, b: Link) -> Search {
         if a == b || b == Link::TRUE {
-            return Ok(a);
+            return Search::Known(a);
         }
         if a == Link::TRUE {
-            return Ok(b);
+            return Search::Known(b);
         }
         if a == Link::FALSE || b == Link::FALSE || a == b.negated() {
-            return Ok(Link::FALSE);
+            return Search::Known(Link::FALSE);
         }
         let (a, b) = if a < b { (a, b) } else { (b, a) };
-        let key = Key::of(Operation::And, a, b);
-        let (place, known) = self.cached(key);
-        if let Some(known) = known {
-            return Ok(known);
+        match self.cached(Key::of(Operation::And, a, b)) {
+            (_, Some(known)) => Search::Known(known),
+            (place, None) => Search::Open { a, b, place },
         }
+    }
+
+    /// Computes `a ∧ b`, which is not in the cache.
+    fn compute_and(&mut self, a: Link, b: Link, place: usize) -> Result<Link, Stop> {
         self.tick()?;
         let level = self.level(a).min(self.level(b));
         let (a_high, a_low) = self.cofactors(a, level);
         let (b_high, b_low) = self.cofactors(b, level);
-        let high = self.and(a_high, b_high)?;
-        let low = self.and(a_low, b_low)?;
+        // Both are looked up at once, so that the processor waits for both entries at the same time.
+        let high = self.find_and(a_high, b_high);
+        let low = self.find_and(a_low, b_low);
+        let (high, low) = match (high, low) {
+            (Search::Known(high), Search::Known(low)) => (high, low),
+            (Search::Known(high), Search::Open { a, b, place }) => {
+                (high, self.compute_and(a, b, place)?)
+            }
+            (Search::Open { a, b, place }, Search::Known(low)) => {
+                (self.compute_and(a, b, place)?, low)
+            }
+            (Search::Open { a, b, place }, Search::Open { .. }) => {
+                (self.compute_and(a, b, place)?, self.and(a_low, b_low)?)
+            }
+        };
         let result = self.make(level, high, low)?;
-        Ok(self.remember(place, key, result))
+        Ok(self.remember(place, Key::of(Operation::And, a, b), result))
     }
 
     /// `a ∨ b`
@@ -212,8 +256,15 @@ impl Store {
         let result = if self.level(bits) == level {
             let rest = self.children(bits).0;
             let high = self.product(a_high, b_high, rest)?;
-            if high == Link::TRUE {
+            // Neither depends on the bits of `rest`, if it equals the result so far.
+            if high == Link::TRUE || high == a_low || high == b_low {
                 high
+            } else if high == a_low.negated() {
+                let low = self.exists(b_low, rest)?;
+                self.or(high, low)?
+            } else if high == b_low.negated() {
+                let low = self.exists(a_low, rest)?;
+                self.or(high, low)?
             } else {
                 let low = self.product(a_low, b_low, rest)?;
                 self.or(high, low)?
