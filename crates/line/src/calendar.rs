@@ -104,6 +104,12 @@ impl<E: Copy> Calendar<E> {
         Some((time_of(key), event))
     }
 
+    /// The next event.
+    #[inline]
+    pub fn next(&self) -> Option<E> {
+        self.events[first_slot(self.order)]
+    }
+
     /// Number of events.
     pub fn len(&self) -> usize {
         self.near + self.far.len()

@@ -87,8 +87,9 @@ struct Setup {
     /// Number of parts of type `b` in one part of type `a`, at index `a * types + b`; 1 if `a` is
     /// `b`.
     contents: Vec<u64>,
-    /// By node: the first of the parallel stations that it belongs to, or the node itself.
-    first_copy: Vec<u32>,
+    /// By node: the number under which parts note that a station has worked on them, which is that of
+    /// the first of parallel stations; `None` if no part comes twice.
+    visits: Vec<Option<u32>>,
     /// The sources that stop while a number of parts is in the line.
     limited_sources: Vec<usize>,
     /// By node: whether it is a station that can be down.
@@ -282,7 +283,7 @@ impl Plant {
         let ways = Ways::new(&line);
         let store_outlets = flow::store_outlets(&line);
         let contents = part::contents(&line);
-        let first_copy = first_copies(&line);
+        let visits = visits(&line);
         let is_limited = |node: &usize| {
             let kind = &line.nodes[*node].kind;
             matches!(kind, NodeKind::Source { most: Some(_), .. })
@@ -302,7 +303,7 @@ impl Plant {
                 ways,
                 store_outlets,
                 contents,
-                first_copy,
+                visits,
                 limited_sources,
                 can_be_down,
                 suppliers,
@@ -395,7 +396,7 @@ impl<'a> Run<'a> {
                 line,
                 index,
                 declared,
-                setup.first_copy[index],
+                setup.visits[index],
                 seed,
                 shifts.is_on(index),
             ))),
@@ -494,6 +495,7 @@ impl<'a> Run<'a> {
             }
             self.now = time;
             self.events += 1;
+            self.fetch_next();
             self.happen(event);
             self.settle();
             self.guard();
@@ -503,6 +505,17 @@ impl<'a> Run<'a> {
                     self.show_progress();
                 }
             }
+        }
+    }
+
+    /// Reads what the next event will need, so that in a large line, the processor fetches it while
+    /// it deals with this event.
+    #[inline]
+    fn fetch_next(&self) {
+        if let Some(Event::Station(node, _)) = self.calendar.next()
+            && let Place::Station(station) = &self.nodes[node as usize].place
+        {
+            std::hint::black_box(station.part);
         }
     }
 
@@ -599,6 +612,31 @@ fn first_copies(line: &Line) -> Vec<u32> {
                 .or_insert(index as u32)
         })
         .collect()
+}
+
+/// See [`Setup::visits`]. Nodes that are not behind a cycle of routes are removed one after the other,
+/// those without predecessors first; parts come to them at most once.
+fn visits(line: &Line) -> Vec<Option<u32>> {
+    let first = first_copies(line);
+    let mut ways: Vec<Vec<u32>> = vec![Vec::new(); first.len()];
+    let mut before = vec![0_usize; first.len()];
+    for route in &line.routes {
+        ways[first[route.from] as usize].push(first[route.to]);
+        before[first[route.to] as usize] += 1;
+    }
+    let mut removed: Vec<usize> = (0..first.len()).filter(|node| before[*node] == 0).collect();
+    let mut next = 0;
+    while let Some(&node) = removed.get(next) {
+        next += 1;
+        for &to in &ways[node] {
+            before[to as usize] -= 1;
+            if before[to as usize] == 0 {
+                removed.push(to as usize);
+            }
+        }
+    }
+    let number = |first: u32| (before[first as usize] > 0).then_some(first);
+    first.iter().copied().map(number).collect()
 }
 
 /// The random stream of a run for a purpose and the name of a node.

@@ -58,8 +58,8 @@ pub(super) struct Station {
     pub waits: Waits,
     /// Part type of the task that began last; another type needs setup.
     last_kind: Option<usize>,
-    /// The first of the parallel stations that it belongs to, or the station itself.
-    first_copy: u32,
+    /// The number under which a part notes that it was here; `None` if no part comes twice.
+    visit: Option<u32>,
     pub failures: Failures,
     /// The part of the service in which no action is active, in seconds.
     service_control: f64,
@@ -107,7 +107,7 @@ impl Station {
         line: &Line,
         node: usize,
         station: &line::Station,
-        first_copy: u32,
+        visit: Option<u32>,
         seed: u64,
         on_shift: bool,
     ) -> Self {
@@ -133,7 +133,7 @@ impl Station {
         }
         Self {
             bills,
-            first_copy,
+            visit,
             plain: (0..line.parts.len())
                 .map(|kind| {
                     let is_plain = line.parts[kind].bill.is_empty() || line.is_brought(node, kind);
@@ -273,7 +273,9 @@ impl Station {
     /// Accepts a part for a task.
     #[inline]
     fn accept(&mut self, index: PartIndex, task: u32, part: &mut Part, now: f64) {
-        part.visit(self.first_copy);
+        if let Some(number) = self.visit {
+            part.visit(number);
+        }
         self.part = Some(index);
         self.task = task;
         self.last_kind = Some(part.kind);

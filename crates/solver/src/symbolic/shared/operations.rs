@@ -38,17 +38,6 @@ impl Key {
     fn choice(c: Link, a: Link, b: Link) -> Self {
         Self([c.0, a.0, b.0])
     }
-
-    /// Returns the operands that are functions; those missing are the constant true.
-    pub fn functions(self) -> [Link; 3] {
-        let [a, b, c] = self.0;
-        let c = match (a & FLAG, c & FLAG) {
-            (0, 0) => c,
-            (0, _) => c & !FLAG,
-            (_, _) => Link::TRUE.0,
-        };
-        [Link(a & !FLAG), Link(b), Link(c)]
-    }
 }
 
 /// What is known of the result of an operation before it is computed.
@@ -256,15 +245,8 @@ impl Store {
         let result = if self.level(bits) == level {
             let rest = self.children(bits).0;
             let high = self.product(a_high, b_high, rest)?;
-            // Neither depends on the bits of `rest`, if it equals the result so far.
-            if high == Link::TRUE || high == a_low || high == b_low {
+            if high == Link::TRUE {
                 high
-            } else if high == a_low.negated() {
-                let low = self.exists(b_low, rest)?;
-                self.or(high, low)?
-            } else if high == b_low.negated() {
-                let low = self.exists(a_low, rest)?;
-                self.or(high, low)?
             } else {
                 let low = self.product(a_low, b_low, rest)?;
                 self.or(high, low)?
