@@ -34,7 +34,7 @@ const CASE_STUDY: [&str; 11] = [
 ];
 
 /// Examples that are built from the library's machines only.
-const OF_THE_LIBRARY: [&str; 3] = ["battery", "machining", "sheet-metal"];
+const OF_THE_LIBRARY: [&str; 4] = ["battery", "bottling", "machining", "sheet-metal"];
 
 /// Contracts of the line at real size.
 const LARGE_NAMES: [&str; 4] = ["Mill", "Inspect", "Move", "Turn"];
