@@ -173,7 +173,7 @@ fn a_violation_rejects_the_part_and_the_line_goes_on() {
     assert_eq!(violation.part, Some((4, 0)));
     assert_eq!(violation.time, 10.0);
     assert_eq!(trace.findings.len(), 1, "one finding a rule and station");
-    insta::assert_snapshot!(trace.findings[0].message, @r#"cell: the assumption "turn: gripped" was broken at 0:00:05, when it began work on Part 2: turn: the assumption gripped does not hold in step 3 (the first of 2 times)"#);
+    insta::assert_snapshot!(trace.findings[0].message, @"cell refused Part 2 at 0:00:05: turn: the assumption gripped does not hold in step 3 (the first of 2 times)");
     assert_eq!(trace.findings[0].code.id, "LW405");
 }
 

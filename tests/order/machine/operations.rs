@@ -132,7 +132,13 @@ fn a_line_that_asks_against_an_order_is_reported() {
     let output = linewright(folder.path(), &["run", "mover.lw", "--until", "90"]);
     let text = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(1), "{text}");
-    for said in ["LW405", "mover", "Arm: order tidy", "Crate 1", "(R-7)"] {
+    for said in [
+        "LW405",
+        "mover",
+        "Arm: the order `tidy`",
+        "Crate 1",
+        "(R-7)",
+    ] {
         assert!(text.contains(said), "{said}: {text}");
     }
 }

@@ -148,8 +148,13 @@ impl Writer<'_> {
                 Diagnostic::error(codes::LINE_REFUSED, node.span, message)
             }
         };
-        if let Some((_, formula)) = rule {
-            finding = finding.with_label(formula.span, "this would be broken");
+        if let Some((component, formula)) = rule {
+            let label = if finding.code == codes::LINE_FORBIDDEN_REQUEST {
+                "this would be broken".to_owned()
+            } else {
+                format!("the broken rule, of the component `{}`", component.name)
+            };
+            finding = finding.with_label(formula.span, label);
         }
         if of_order {
             let asked = self.operations(vertex.node, machine, &earlier, refused);
@@ -194,7 +199,7 @@ impl Writer<'_> {
             _ if of_order => {
                 "let the station perform other operations, or the same ones in another order; or weaken the rule that forbids this".to_owned()
             }
-            _ => "divert such parts by a route with a condition, change the `abstract` that maps their values, or weaken the assumption"
+            _ => "keep such parts away by a route with a condition, change the machine's `abstract` that turns their properties into inputs, or weaken the assumption"
                 .to_owned(),
         }
     }

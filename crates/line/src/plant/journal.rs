@@ -52,48 +52,21 @@ impl Run<'_> {
                 | ErrorCode::Domain => codes::LINE_VIOLATION,
                 _ => codes::LIBRARY_CALL,
             };
-            let rule = match (&error.rule, error.code) {
-                (Some(rule), ErrorCode::Assumption) => {
-                    format!("the assumption \"{rule}\" was broken")
-                }
-                (Some(rule), ErrorCode::Guarantee) => {
-                    format!("the guarantee \"{rule}\" was broken")
-                }
-                (Some(rule), _) => format!("\"{rule}\" was broken"),
-                (None, ErrorCode::Assumption) => {
-                    "its assumptions contradict each other: no inputs satisfy them".to_owned()
-                }
-                (None, ErrorCode::Limit) => "the operation did not end".to_owned(),
-                (None, ErrorCode::Domain) => "a value is outside its domain".to_owned(),
-                (None, _) => "the controller refused a call".to_owned(),
-            };
-            let work = part.map_or(String::new(), |(number, kind)| {
-                // A value is outside its domain when the part is joined, or when the work ends.
-                let when = if error.code == ErrorCode::Domain {
-                    "at work on"
-                } else {
-                    "when it began work on"
-                };
-                format!(", {when} {} {number}", self.type_name(kind))
-            });
             let message = format!(
-                "{}: {rule} at {}{work}: {}",
+                "{} {} at {}: {}",
                 self.name(node),
+                self.consequence(part, error.code),
                 self.moment(),
                 error.message
             );
+            let help = self.help(node, &error);
             self.journal
                 .violation_kinds
                 .insert(kind, (self.journal.findings.len(), 1));
-            self.journal.findings.push(
-                Diagnostic::error(code, self.line.nodes[node].span, message).with_help(
-                    if error.code == ErrorCode::Order {
-                        "Request the station's operations in an order that the rule allows, or correct the calls of the skills: `linewright order complete` lists the allowed calls."
-                    } else {
-                        "Compare the rule with the part's properties and the machine's bindings."
-                    },
-                ),
-            );
+            let span = self.line.nodes[node].span;
+            self.journal
+                .findings
+                .push(Diagnostic::error(code, span, message).with_help(help));
         }
         let violation = Violation {
             time: self.now,
@@ -108,6 +81,35 @@ impl Run<'_> {
         }
         if self.journal.violations.len() < MAX_VIOLATIONS {
             self.journal.violations.push(violation);
+        }
+    }
+
+    /// What a node does because its controller returned an error: `refused Plate 1`.
+    fn consequence(&self, part: Option<(u64, usize)>, code: ErrorCode) -> String {
+        let Some((number, kind)) = part else {
+            return "refused a step".to_owned();
+        };
+        let part = format!("{} {number}", self.type_name(kind));
+        match code {
+            ErrorCode::Assumption | ErrorCode::Order | ErrorCode::Domain => {
+                format!("refused {part}")
+            }
+            _ => format!("took {part} out of the line"),
+        }
+    }
+
+    /// What to do about an error of a controller.
+    fn help(&self, node: usize, error: &CallError) -> String {
+        if error.code == ErrorCode::Order {
+            return "Request the station's operations in an order that the rule allows, or correct the calls of the skills: `linewright order complete` lists the allowed calls.".to_owned();
+        }
+        let component = error.rule.as_deref().and_then(|rule| rule.split_once(": "));
+        match (component, self.line.nodes[node].machine()) {
+            (Some((component, _)), Some(machine)) => format!(
+                "`{component}` is a component of the machine {}. Compare the rule with the properties of the part, and with the inputs that the machine gives to `{component}`.",
+                machine.name
+            ),
+            _ => "Compare the rule with the properties of the part, and with the inputs that the machine gives to its components.".to_owned(),
         }
     }
 }
