@@ -113,12 +113,12 @@ fn rejected_parts_that_nobody_orders_again() {
         .route("Part", &["printer", "cell", "sink"]);
     let trace = builder.run(5);
     assert_eq!((trace.end, trace.products), (End::Blocked, 4));
-    insta::assert_snapshot!(text(&trace), @r#"
-    LW405: cell: the assumption "turn: gripped" was broken at 0:00:01, when it began work on Part 2: turn: the assumption gripped does not hold in step 3
-      Compare the rule with the part's properties and the machine's bindings.
+    insta::assert_snapshot!(text(&trace), @"
+    LW405: cell refused Part 2 at 0:00:01: turn: the assumption gripped does not hold in step 3
+      Compare the rule with the properties of the part, and with the inputs that the machine gives to its components.
     LW403: the line can no longer advance at 0:00:04, with 4 of 5 products made: nothing is left to do: printer has made all 5 that were ordered, and 1 part was rejected and not ordered again
       Let a source make more parts (a sink that rejects parts can order replacements), or require fewer products.
-    "#);
+    ");
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn a_line_that_only_makes_scrap_ends() {
     let trace = builder.plant(options).run();
     assert_eq!(trace.end, End::NoProgress);
     insta::assert_snapshot!(text(&trace), @"
-    LW403: the line makes no progress: it made 0 of 1 products, and none in the last 5000000 events
+    LW403: the line makes no progress: it made no product in 5000000 events; 1 was asked for
       Find the rule that refuses the parts, or the reason why all are rejected; --until ends a run at a given time.
     ");
 }

@@ -163,16 +163,22 @@ impl Run<'_> {
         {
             self.end = Some(End::NoProgress);
             let refused = self.journal.violation_count - self.progress.violations_at_product;
-            let since = if refused > MAX_VIOLATIONS_WITHOUT_PRODUCT {
+            let meanwhile = if refused > MAX_VIOLATIONS_WITHOUT_PRODUCT {
                 format!("while {refused} parts were refused")
             } else {
-                format!("in the last {MAX_EVENTS_WITHOUT_PRODUCT} events")
+                format!("in {MAX_EVENTS_WITHOUT_PRODUCT} events")
             };
-            let message = format!(
-                "the line makes no progress: it made {} of {} products, and none {since}",
-                self.counters.products,
-                self.setup.target.unwrap_or(0),
-            );
+            let made = match self.counters.products {
+                0 => "no product".to_owned(),
+                1 => "1 product, and no other".to_owned(),
+                products => format!("{products} products, and no other"),
+            };
+            let wanted = match self.setup.target.unwrap_or(0) {
+                1 => "1 was asked for".to_owned(),
+                target => format!("{target} were asked for"),
+            };
+            let message =
+                format!("the line makes no progress: it made {made} {meanwhile}; {wanted}");
             self.journal.findings.push(
                 Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
                     "Find the rule that refuses the parts, or the reason why all are rejected; --until ends a run at a given time.",
