@@ -27,8 +27,13 @@ pub fn finding(
     let contradictory = advice.is_some_and(|a| a.contradictory);
     let message = format!("no controller can keep the guarantees of `{name}`");
     let mut finding = Diagnostic::error(codes::UNREALIZABLE, span, message);
-    for span in spans(&s.guarantees, core) {
-        finding = finding.with_label(span, "cannot be kept");
+    let clashing = spans(&s.guarantees, core);
+    let label = match clashing.len() {
+        1 => "cannot be kept",
+        _ => "cannot be kept together",
+    };
+    for span in clashing {
+        finding = finding.with_label(span, label);
     }
     let matters = matters(s, advice);
     for span in spans(&s.assumptions, &matters) {
@@ -111,7 +116,7 @@ fn note_on_contradiction(s: &Specification, advice: Option<&Advice>) -> String {
     }
 }
 
-/// Names of the assumptions that matter: without any one of them, fewer guarantees would already
+/// Names of the assumptions that matter: if one of them is left out, fewer guarantees already
 /// clash.
 fn matters(s: &Specification, advice: Option<&Advice>) -> Vec<String> {
     let refs = advice.map(|a| a.matters.as_slice()).unwrap_or_default();
