@@ -75,10 +75,12 @@ fn forced(
             format!("{} of the situations that can occur", percent(from / all))
         }
     };
-    let mut note = format!("it can do so from {}", share(found.forced_states));
-    if found.forced_recklessly.is_some() {
-        note.push_str("; a machine that also breaks its guarantees can do so from ");
-        note.push_str(&share(found.forced_recklessly_states));
+    let careful = share(found.forced_states);
+    let reckless = share(found.forced_recklessly_states);
+    let mut note = format!("it can do so from {careful}");
+    if found.forced_recklessly.is_some() && reckless != careful {
+        note.push_str("; if it does not keep its guarantees either, from ");
+        note.push_str(&reckless);
     }
     let message = format!(
         "a controller of `{name}` can keep its contract by making the plant break an assumption"
