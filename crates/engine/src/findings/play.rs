@@ -146,7 +146,7 @@ fn ending(s: &Specification, play: &Play) -> String {
             } else {
                 format!("after step {last} the play repeats from step {from} for ever")
             };
-            format!("{round}, and {} never holds again", name(goal))
+            format!("{round}, without meeting {}", name(goal))
         }
     }
 }
