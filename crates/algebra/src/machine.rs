@@ -211,9 +211,13 @@ fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
                 .iter()
                 .map(|o| Expr::now(wire).equals(Expr::Const(o.value)));
             let names: Vec<&str> = machine.operations.iter().map(|o| o.name.as_str()).collect();
+            let known = match names.as_slice() {
+                [only] => format!("{} is {only}", input.name),
+                several => format!("{} is one of {}", input.name, several.join(", ")),
+            };
             side.invariants.push(at(
                 format!("{} is known", input.name),
-                format!("{} is one of {}", input.name, names.join(", ")),
+                known,
                 one.fold(Expr::FALSE, Expr::or),
                 input.span,
             ));

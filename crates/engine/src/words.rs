@@ -204,10 +204,10 @@ impl<'a> ProofPrinter<'a> {
         let end = match round {
             None => format!("step {last} breaks `{name}`"),
             Some(from) if from == last => {
-                format!("step {last} repeats for ever, and `{name}` never holds again")
+                format!("step {last} repeats for ever, without meeting `{name}`")
             }
             Some(from) => format!(
-                "after step {last} the run repeats from step {from} for ever, and `{name}` never holds again"
+                "after step {last} the run repeats from step {from} for ever, without meeting `{name}`"
             ),
         };
         steps_table(self.system, &shown, &steps) + &end
@@ -459,7 +459,11 @@ pub fn discharge_entry(printer: ProofPrinter<'_>, discharge: &Discharge) -> Disc
             _ => printer.discharged_by(discharge),
         },
         formulas: {
-            let by = discharge.by.iter();
+            // The phrase for what is passed on to the caller names no formula.
+            let by: &[FormulaRef] = match discharge.rule {
+                DischargeRule::Exported => &[],
+                _ => &discharge.by,
+            };
             let all = std::iter::once(&discharge.what).chain(by);
             all.map(|at| printer.named(*at)).collect()
         },
