@@ -373,6 +373,44 @@ fn curve(points: &[Point]) -> String {
     data
 }
 
+/// Points along the smooth curve of an arrow along a polyline, close enough for straight pieces
+/// between them.
+pub(super) fn flattened(points: &[Point]) -> Vec<Point> {
+    /// Number of pieces of each arc.
+    const PIECES: u32 = 8;
+    let mut flat: Vec<Point> = points.first().copied().into_iter().collect();
+    for (index, control) in points.iter().enumerate().skip(1) {
+        let (Some(from), Some(next)) = (flat.last().copied(), points.get(index + 1)) else {
+            flat.push(*control);
+            break;
+        };
+        let is_last = index + 2 == points.len();
+        let end = if is_last {
+            *next
+        } else {
+            Point {
+                x: f64::midpoint(control.x, next.x),
+                y: f64::midpoint(control.y, next.y),
+            }
+        };
+        flat.extend((1..=PIECES).map(|piece| {
+            let part = f64::from(piece) / f64::from(PIECES);
+            let rest = 1.0 - part;
+            let at = |from: f64, control: f64, end: f64| {
+                rest * rest * from + 2.0 * rest * part * control + part * part * end
+            };
+            Point {
+                x: at(from.x, control.x, end.x),
+                y: at(from.y, control.y, end.y),
+            }
+        }));
+        if is_last {
+            break;
+        }
+    }
+    flat
+}
+
 /// Replaces the characters that have a meaning in XML.
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;")

@@ -1,7 +1,9 @@
 //! A graph drawn in layers, as it is.
 
 use super::Graph;
-use super::canvas::{Canvas, FRAME, STATE_FONT, Shape, background_size, box_size, label_size};
+use super::canvas::{
+    Canvas, FRAME, STATE_FONT, Shape, background_size, box_size, flattened, label_size,
+};
 use super::fold::place_in_rows;
 use super::layers::{
     Direction, Frame, Link, Placement, Point, SIDE, Size, Spacing, place_in_frames,
@@ -34,7 +36,9 @@ pub(super) fn draw(graph: &Graph, form: Form, limit: f64) -> Canvas {
     if form == Form::Rows {
         let (boxes, links) = measured(graph);
         let placement = place_in_rows(&boxes, &links, SPACING);
-        return drawn(graph, &Placed { placement, boxes }, Shape::Route);
+        let mut placed = Placed { placement, boxes };
+        settle_labels(graph, &mut placed, false);
+        return drawn(graph, &placed, Shape::Route);
     }
     let down = placed(graph, Direction::Down);
     let right = placed(graph, Direction::Right);
@@ -43,11 +47,12 @@ pub(super) fn draw(graph: &Graph, form: Form, limit: f64) -> Canvas {
         let area = |p: &Placed| p.placement.size.width * p.placement.size.height;
         (over(a), area(a)) < (over(b), area(b))
     };
-    let placed = if is_better(&right, &down) {
+    let mut placed = if is_better(&right, &down) {
         right
     } else {
         down
     };
+    settle_labels(graph, &mut placed, true);
     drawn(graph, &placed, Shape::Arrow)
 }
 
@@ -96,6 +101,136 @@ fn drawn(graph: &Graph, placed: &Placed, arrow: fn(Vec<Point>) -> Shape) -> Canv
     let start = placement.boxes.get(graph.states.len());
     canvas.shapes.extend(start.map(|at| Shape::Dot(*at)));
     canvas
+}
+
+/// Moves labels that links of others lead through along their own links, or loops' labels a little,
+/// to where the fewest do.
+fn settle_labels(graph: &Graph, placed: &mut Placed, is_curved: bool) {
+    let placement = &placed.placement;
+    let ways = placement.links.iter().map(|link| {
+        let points = if is_curved {
+            flattened(&link.points)
+        } else {
+            link.points.clone()
+        };
+        Way::new(points_along(&points).collect())
+    });
+    let ways: Vec<Way> = ways.collect();
+    let boxes = placement.boxes.iter().copied();
+    let mut taken: Vec<(Point, Size)> = boxes.zip(placed.boxes.iter().copied()).collect();
+    let frames = graph.frames.iter().zip(&placement.frames);
+    taken.extend(frames.map(|(frame, of)| (of.title, text_size(&frame.title))));
+    let whole = placement.size;
+    let mut labels: Vec<Option<(Point, Size)>> = graph
+        .edges
+        .iter()
+        .zip(&placement.links)
+        .map(|(edge, link)| Some((link.label?, background_size(&edge.label))))
+        .collect();
+    for number in 0..labels.len() {
+        let Some((at, size)) = labels[number] else {
+            continue;
+        };
+        let crossed = |at: Point| {
+            let others = ways.iter().enumerate();
+            let others = others.filter(|(other, _)| *other != number);
+            others
+                .filter(|(_, way)| way.leads_through(at, size))
+                .count()
+        };
+        let now = crossed(at);
+        if now == 0 {
+            continue;
+        }
+        let is_free = |at: Point| {
+            let half = Size {
+                width: size.width / 2.0,
+                height: size.height / 2.0,
+            };
+            let is_inside = at.x >= half.width
+                && at.y >= half.height
+                && at.x + half.width <= whole.width
+                && at.y + half.height <= whole.height;
+            let labels = labels.iter().enumerate();
+            let labels = labels.filter(|(other, _)| *other != number);
+            let labels = labels.filter_map(|(_, label)| *label);
+            let mut others = taken.iter().copied().chain(labels);
+            is_inside
+                && others.all(|(other, other_size)| {
+                    (at.x - other.x).abs() >= half.width + other_size.width / 2.0 + CLEAR
+                        || (at.y - other.y).abs() >= half.height + other_size.height / 2.0 + CLEAR
+                })
+        };
+        let edge = &graph.edges[number];
+        let candidates: Vec<Point> = if edge.from == Some(edge.to) {
+            around(at)
+        } else {
+            ways[number].points.clone()
+        };
+        let distance = |to: Point| (to.x - at.x).hypot(to.y - at.y);
+        let best = candidates
+            .into_iter()
+            .filter(|to| is_free(*to))
+            .map(|to| (crossed(to), distance(to), to))
+            .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        if let Some((_, _, to)) = best.filter(|(count, ..)| *count < now) {
+            labels[number] = Some((to, size));
+        }
+    }
+    for (link, label) in placed.placement.links.iter_mut().zip(labels) {
+        link.label = label.map(|(at, _)| at);
+    }
+}
+
+/// Distance between a label that was moved and what is beside it, in SVG units.
+const CLEAR: f64 = 3.0;
+
+/// Points along a link, and the frame around them.
+struct Way {
+    points: Vec<Point>,
+    least: Point,
+    greatest: Point,
+}
+
+impl Way {
+    fn new(points: Vec<Point>) -> Self {
+        let all = |start: f64, pick: fn(f64, f64) -> f64| Point {
+            x: points.iter().map(|at| at.x).fold(start, pick),
+            y: points.iter().map(|at| at.y).fold(start, pick),
+        };
+        Self {
+            least: all(f64::INFINITY, f64::min),
+            greatest: all(f64::NEG_INFINITY, f64::max),
+            points,
+        }
+    }
+
+    /// Whether the link leads through a rectangle around a center.
+    fn leads_through(&self, at: Point, size: Size) -> bool {
+        let (wide, high) = (size.width / 2.0, size.height / 2.0);
+        if at.x + wide < self.least.x
+            || at.x - wide > self.greatest.x
+            || at.y + high < self.least.y
+            || at.y - high > self.greatest.y
+        {
+            return false;
+        }
+        let is_near = |of: &Point| (of.x - at.x).abs() <= wide && (of.y - at.y).abs() <= high;
+        self.points.iter().any(is_near)
+    }
+}
+
+/// Places around a point, for the label of a loop.
+fn around(at: Point) -> Vec<Point> {
+    let steps = || (-4..=4).map(|step| f64::from(step) * STEP);
+    let across = steps().filter(|x| *x >= 0.0);
+    let places = across.flat_map(|x| {
+        steps().map(move |y| Point {
+            x: at.x + x,
+            y: at.y + y,
+        })
+    });
+    places.collect()
 }
 
 /// The order in which links are drawn: one comes before those that lead over its label, as far as
@@ -431,6 +566,54 @@ mod tests {
             frames: Vec::new(),
         };
         assert_eq!(order_of_links(&graph, &placement), [1, 0]);
+    }
+
+    #[test]
+    fn a_label_makes_way_for_the_links_of_others() {
+        let edge = |label: &[&str]| Edge {
+            from: Some(0),
+            to: 1,
+            label: label.iter().map(|line| (*line).to_owned()).collect(),
+        };
+        let graph = Graph {
+            states: vec![vec!["a".to_owned()], vec!["b".to_owned()]],
+            edges: vec![edge(&["crossed"]), edge(&[])],
+            ..Graph::default()
+        };
+        let point = |x, y| Point { x, y };
+        let link = |points: &[Point], label| PlacedLink {
+            points: points.to_vec(),
+            label,
+        };
+        let size = Size {
+            width: 300.0,
+            height: 100.0,
+        };
+        for is_curved in [false, true] {
+            let mut placed = Placed {
+                placement: Placement {
+                    size,
+                    boxes: vec![point(10.0, 50.0), point(290.0, 50.0)],
+                    links: vec![
+                        link(
+                            &[point(20.0, 50.0), point(280.0, 50.0)],
+                            Some(point(150.0, 50.0)),
+                        ),
+                        link(&[point(150.0, 0.0), point(150.0, 100.0)], None),
+                    ],
+                    frames: Vec::new(),
+                },
+                boxes: vec![START; 2],
+            };
+            settle_labels(&graph, &mut placed, is_curved);
+            let label = placed.placement.links[0].label.expect("a label");
+            let width = background_size(&graph.edges[0].label).width;
+            assert!((label.x - 150.0).abs() > width / 2.0 && label.y == 50.0);
+            assert!((label.x - 150.0).abs() < width / 2.0 + 2.0 * STEP);
+            let settled = placed.placement.links.clone();
+            settle_labels(&graph, &mut placed, is_curved);
+            assert_eq!(placed.placement.links, settled);
+        }
     }
 
     #[test]
