@@ -34,7 +34,7 @@ const HIGH: &str = "fill=\"lightsteelblue\" fill-opacity=\"0.45\"";
 const BASE: &str = "stroke=\"gray\" stroke-width=\"1\" fill=\"none\"";
 const WORD: &str = "stroke=\"black\" stroke-width=\"1.1\" fill=\"aliceblue\"";
 const UNKNOWN: &str =
-    "stroke=\"silver\" stroke-width=\"1\" fill=\"whitesmoke\" stroke-dasharray=\"3 3\"";
+    "stroke=\"dimgray\" stroke-width=\"1.1\" fill=\"whitesmoke\" stroke-dasharray=\"3 3\"";
 const RULE: &str = "stroke=\"gainsboro\" stroke-width=\"1\" fill=\"none\"";
 const REPEATED: &str = "fill=\"lemonchiffon\"";
 
@@ -251,7 +251,12 @@ impl Part<'_> {
             ];
             let outline = outline.map(|(x, y)| Point { x, y }).to_vec();
             canvas.shapes.push(Shape::Line(outline, style));
-            if let Level::Word(word) = level {
+            let word = match level {
+                Level::Word(word) => Some(word.as_str()),
+                Level::Unknown => Some("?"),
+                Level::Bit(_) => None,
+            };
+            if let Some(word) = word {
                 let center = Point {
                     x: f64::midpoint(left, right),
                     y: middle,

@@ -163,14 +163,14 @@ pub fn play(
         let values = signal.values.iter().map(|level| match level {
             Level::Bit(is_high) => is_high.to_string(),
             Level::Word(word) => word.clone(),
-            Level::Unknown => String::new(),
+            Level::Unknown => "?".to_owned(),
         });
         std::iter::once(signal.name.clone()).chain(values).collect()
     });
     let rows: Vec<Vec<String>> = rows.collect();
     html! {
         (drawing(&timing::render(title, &diagram), &format!("Timing diagram: {title}. Its values are in the table below.")))
-        p.hint { "A line at the top of a filled area is true, one at the bottom is false; other values are in boxes, and a dashed box has no value." }
+        p.hint { "A line at the top of a filled area is true, one at the bottom is false; other values are in boxes. A dashed box with ? has no value: the play ends there." }
         @if shown < steps.len() { p.hint { "The first " (shown) " of " (steps.len()) " steps." } }
         (behind(&headings, &rows))
     }
