@@ -10,6 +10,7 @@ mod numbers;
 pub mod parts;
 pub mod run;
 pub mod session;
+pub mod terms;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

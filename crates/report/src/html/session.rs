@@ -2,7 +2,7 @@
 
 use super::contract::Rank;
 use super::parts::{self, Origin, links, section, table, tile};
-use super::{Document, contract as of_contract, document};
+use super::{Document, contract as of_contract, document, terms};
 use linewright_core::gr1::{Owner, VarId};
 use linewright_language::contract::{Contract, Definition};
 use maud::{Markup, html};
@@ -43,8 +43,29 @@ pub fn page(page: &Page<'_>) -> String {
         ("steps", "Steps"),
         ("commands", "Commands"),
         ("contract", "Contract"),
+        terms::LINK,
         ("model", "Files"),
     ];
+    let main = html! {
+        dl.tiles {
+            (tile("Steps", &parts::figures(page.plays.iter().map(|steps| steps.len()).sum()), &in_plays(page)))
+            (tile("Commands", &parts::figures(page.commands.len()), "moves and all others"))
+        }
+        @if let Some(over) = page.over { div.finding { pre tabindex="0" { (over.trim_end()) } } }
+        (section("steps", "Steps", &steps(page)))
+        (section("commands", "Commands", &html! {
+            @for (command, answer) in page.commands {
+                p { code { "> " (command) } }
+                @if answer.is_empty() && command.starts_with("expect") { p { "as expected" } }
+                @if !answer.is_empty() { pre tabindex="0" { (answer.trim_end()) } }
+            }
+        }))
+        (section("contract", "Contract", &html! {
+            (of_contract::parameters(page.contract))
+            (of_contract::interface(&page.contract.specification, Rank::Section))
+            (of_contract::rules(&page.contract.specification, page.definitions, page.origin.sources, Rank::Section))
+        }))
+    };
     let body = html! {
         header {
             h1 { (title) }
@@ -53,24 +74,8 @@ pub fn page(page: &Page<'_>) -> String {
             (links(sections))
         }
         main {
-            dl.tiles {
-                (tile("Steps", &parts::figures(page.plays.iter().map(|steps| steps.len()).sum()), &in_plays(page)))
-                (tile("Commands", &parts::figures(page.commands.len()), "moves and all others"))
-            }
-            @if let Some(over) = page.over { div.finding { pre tabindex="0" { (over.trim_end()) } } }
-            (section("steps", "Steps", &steps(page)))
-            (section("commands", "Commands", &html! {
-                @for (command, answer) in page.commands {
-                    p { code { "> " (command) } }
-                    @if answer.is_empty() && command.starts_with("expect") { p { "as expected" } }
-                    @if !answer.is_empty() { pre tabindex="0" { (answer.trim_end()) } }
-                }
-            }))
-            (section("contract", "Contract", &html! {
-                (of_contract::parameters(page.contract))
-                (of_contract::interface(&page.contract.specification, Rank::Section))
-                (of_contract::rules(&page.contract.specification, page.definitions, page.origin.sources, Rank::Section))
-            }))
+            (main)
+            (terms::terms(&main))
             (parts::origin("Files", &page.origin, &[], &html! {}))
         }
     };

@@ -4,7 +4,7 @@ mod data;
 
 use super::contract::Rank;
 use super::parts::{self, Origin, figures, links, section, table_of, tile};
-use super::{Document, contract as of_contract, document};
+use super::{Document, contract as of_contract, document, terms};
 use linewright_core::gr1::{Owner, Specification, Timing, show_value};
 use linewright_language::contract::{Contract, Definition};
 use linewright_solver::mealy::{Controller, Machine, Port, picture};
@@ -74,9 +74,20 @@ pub fn page(page: &Page<'_>) -> String {
         ("walk", "Walk", true),
         ("states", "States", machine.is_some()),
         ("contract", "Contract", true),
+        (terms::LINK.0, terms::LINK.1, true),
         ("model", "Files", true),
     ];
     let shown = sections.iter().filter(|(.., is_there)| *is_there);
+    let main = html! {
+        (tiles(opponent))
+        (section("walk", "Walk", &walk(opponent, reader)))
+        @if let Some(machine) = machine { (section("states", "States", &states(opponent, machine, goals(page)))) }
+        (section("contract", "Contract", &html! {
+            (of_contract::parameters(contract))
+            (of_contract::interface(&contract.specification, Rank::Section))
+            (of_contract::rules(&contract.specification, page.definitions, page.origin.sources, Rank::Section))
+        }))
+    };
     let body = html! {
         header {
             h1 { (title) }
@@ -84,14 +95,8 @@ pub fn page(page: &Page<'_>) -> String {
             (links(shown.map(|(id, name, _)| (*id, *name))))
         }
         main {
-            (tiles(opponent))
-            (section("walk", "Walk", &walk(opponent, reader)))
-            @if let Some(machine) = machine { (section("states", "States", &states(opponent, machine, goals(page)))) }
-            (section("contract", "Contract", &html! {
-                (of_contract::parameters(contract))
-                (of_contract::interface(&contract.specification, Rank::Section))
-                (of_contract::rules(&contract.specification, page.definitions, page.origin.sources, Rank::Section))
-            }))
+            (main)
+            (terms::terms(&main))
             (parts::origin("Files", &page.origin, &[], &html! {}))
         }
     };
@@ -105,9 +110,19 @@ pub fn page(page: &Page<'_>) -> String {
 }
 
 fn tiles(opponent: Opponent<'_>) -> Markup {
+    let (own, other) = match opponent.reader() {
+        Owner::Environment => ("outputs", "inputs"),
+        Owner::System => ("inputs", "outputs"),
+    };
     let (kind, order) = match opponent.timing() {
-        Timing::Mealy => ("Mealy", "it answers the move of the step"),
-        Timing::Moore => ("Moore", "it moves first in each step"),
+        Timing::Mealy => (
+            "Mealy",
+            format!("in each step, its {own} answer the {other} of the same step"),
+        ),
+        Timing::Moore => (
+            "Moore",
+            format!("in each step, it sets its {own} before it knows the {other}"),
+        ),
     };
     html! {
         dl.tiles {
@@ -122,7 +137,7 @@ fn tiles(opponent: Opponent<'_>) -> Markup {
                     (tile("Transitions", &figures(machine.transition_count()), &format!("{} of them lead from the start to a state", figures(machine.initial.len()))))
                 }
             }
-            (tile("Kind", kind, order))
+            (tile("Kind", kind, &order))
             (tile("Verified", "yes", "against the contract, independently of the synthesis"))
         }
     }
