@@ -6,7 +6,8 @@
 
 use super::machine::{Component, Machine, PlantInput, PlantSource, Role};
 use linewright_core::drawing::{BoxStyle, Edge, Frame, Graph, svg};
-use linewright_core::gr1::Expr;
+use linewright_core::gr1::text::text;
+use linewright_core::gr1::{Expr, Owner, Side, Specification, Timing, Variable};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of signals in a label or in a box of the plant.
@@ -175,7 +176,7 @@ impl Builder<'_> {
     fn add_outputs(&mut self) {
         if let Some(done) = &self.machine.done {
             let wires = wires_of(std::slice::from_ref(done));
-            self.add_output("operation done".to_owned(), wires);
+            self.add_output(vec!["operation done".to_owned()], wires);
         }
         for (property, value) in &self.machine.writes {
             let mut wires = BTreeSet::new();
@@ -184,8 +185,8 @@ impl Builder<'_> {
                     wires.insert(*wire);
                 }
             });
-            let name = &self.machine.properties[*property].name;
-            self.add_output(format!("write {name}"), wires);
+            let name = self.machine.properties[*property].name.clone();
+            self.add_output(vec!["to the part".to_owned(), name], wires);
         }
         let mut unread: BTreeMap<usize, Vec<String>> = BTreeMap::new();
         for (wire, setter) in self.wires.setters.iter().enumerate() {
@@ -206,7 +207,7 @@ impl Builder<'_> {
     }
 
     /// Adds a box for something that is computed from wires.
-    fn add_output(&mut self, title: String, wires: BTreeSet<usize>) {
+    fn add_output(&mut self, label: Vec<String>, wires: BTreeSet<usize>) {
         let mut names: BTreeMap<usize, Vec<String>> = BTreeMap::new();
         for wire in wires {
             if let Some(setter) = self.wires.setters[wire] {
@@ -218,7 +219,7 @@ impl Builder<'_> {
         if names.is_empty() {
             return;
         }
-        let to = self.add_box(vec![title], BoxStyle::Terminal);
+        let to = self.add_box(label, BoxStyle::Terminal);
         let edges = names.into_iter();
         let edges = edges.map(|(setter, names)| edge(((setter, to), names)));
         self.graph.edges.extend(edges);
@@ -252,6 +253,48 @@ fn wires_of(expressions: &[Expr]) -> BTreeSet<usize> {
         });
     }
     wires
+}
+
+/// The inputs of a component of a machine that get something with another name, each with the
+/// expression over wires that it gets: `requested` and `control.command`.
+pub fn inputs(machine: &Machine, component: &Component) -> Vec<(String, String)> {
+    let specification = all_wires(machine);
+    let own = &component.specification;
+    let inputs = own.inputs().zip(&component.bindings);
+    let inputs = inputs.map(|(id, binding)| {
+        let value = text(&specification, binding);
+        (own.variable(id).name.clone(), value)
+    });
+    inputs.filter(|(name, value)| name != value).collect()
+}
+
+/// The wires of a machine as variables, with the names that they have in its declaration.
+fn all_wires(machine: &Machine) -> Specification {
+    let plant = machine.plant.iter().map(|input| Variable {
+        name: input.name.clone(),
+        owner: Owner::Environment,
+        internal: false,
+        domain: input.domain.clone(),
+        unit: input.unit.clone(),
+        span: input.span,
+    });
+    let of_components = machine.components.iter().flat_map(|component| {
+        let own = &component.specification;
+        own.outputs().map(move |id| {
+            let variable = own.variable(id);
+            Variable {
+                name: format!("{}.{}", component.name, variable.name),
+                ..variable.clone()
+            }
+        })
+    });
+    Specification {
+        name: machine.name.clone(),
+        timing: Timing::Mealy,
+        variables: plant.chain(of_components).collect(),
+        assumptions: Side::default(),
+        guarantees: Side::default(),
+    }
 }
 
 /// A wire of the plant, with what it comes from if this is not a signal.
