@@ -77,8 +77,10 @@ fn a_line_comes_first_and_shows_what_its_proof_rests_on() {
             "stock_of_BrickOne_at_warehouse the stock of BrickOne at warehouse does not run out",
             "examples/ice-lab/line.lw:24",
             "Printer, layers: fed always eventually (filament or not requested) assumed about the environment: Printer: signal filament",
-            "AssemblyCell, cell: screw_needs_part always (idle and next job = screw -> grip_a) left to the caller: the line, checked at every call",
+            "AssemblyCell, cell: screw_needs_part always (idle and next job = screw -> grip_a) left to the caller: the check of a line reports each call that breaks it",
             "examples/ice-lab/coordinator.lw:41",
+            "HolisticCell is a contract of the machine AssemblyCell as a whole. No component has it, so it is not among the contracts of this page. It is proved that the components together keep it",
+            "No route leads to or from milling, so it is not used.",
             "The slowest station is printer: 3 min 24 s a part (Printed), so at most 17.6 parts an hour pass it.",
         ],
     );
@@ -89,7 +91,7 @@ fn a_line_comes_first_and_shows_what_its_proof_rests_on() {
         &[
             "1,632,096 reachable states",
             "cell: first_job job in {none",
-            "left to the caller: the line, checked at every call",
+            "left to the caller: the check of a line reports each call that breaks it",
             "pick_a: part_comes",
         ],
     );
@@ -98,7 +100,8 @@ fn a_line_comes_first_and_shows_what_its_proof_rests_on() {
         &[
             "is met (discharged)",
             "(induction)",
-            "happens again and again, shown in round ",
+            "happens again and again (justice)",
+            "command gets if cell.arm = a then cell.command else none",
         ],
     );
 }

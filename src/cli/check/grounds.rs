@@ -4,6 +4,7 @@ use super::document::{Document, LineEntry, MachineEntry};
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::engine::files::LoadedFiles;
+use crate::engine::machine::RefinementVerdict;
 use crate::engine::machines;
 use crate::engine::words::{ALWAYS_HOLDS, DischargeEntry, DischargeRuleName};
 use crate::report::html::parts::{formula, names, table_of};
@@ -33,10 +34,11 @@ enum Says {
 pub(super) fn of_machine(
     entry: &MachineEntry,
     machine: Option<&Machine>,
+    document: &Document,
     sources: &SourceMap,
 ) -> Markup {
     html! {
-        (refinements([entry]))
+        (refinements([entry], document))
         (shown(&machine_premises(entry, machine, ""), sources))
     }
 }
@@ -76,7 +78,7 @@ pub(super) fn of_line(
         says: Says::Words(String::new()),
         kind: kind(discharge).unwrap_or_default(),
         proof: entry.name.clone(),
-        by: discharge.by.clone(),
+        by: rests_on(discharge).to_owned(),
         place: place(&discharge.component),
     }));
     let of_line: Vec<&str> = line.map_or(Vec::new(), |line| {
@@ -90,7 +92,7 @@ pub(super) fn of_line(
         premises.extend(machine_premises(machine, declared, &machine.name));
     }
     html! {
-        (refinements(known))
+        (refinements(known, document))
         (shown(&premises, sources))
     }
 }
@@ -130,7 +132,7 @@ fn machine_premises(entry: &MachineEntry, machine: Option<&Machine>, owner: &str
             },
             kind,
             proof,
-            by: discharge.by.clone(),
+            by: rests_on(discharge).to_owned(),
             place: formula.map(|formula| formula.span),
         }
     });
@@ -145,12 +147,24 @@ fn named(owner: &str, discharge: &DischargeEntry) -> String {
     }
 }
 
+/// How a page says that an assumption is passed on to the caller of a machine.
+pub(super) const LEFT_TO_CALLER: &str =
+    "left to the caller: the check of a line reports each call that breaks it";
+
+/// What an obligation rests on, apart from the caller; empty if nothing is known of it.
+pub(super) fn rests_on(discharge: &DischargeEntry) -> &str {
+    match discharge.rule {
+        DischargeRuleName::Exported => "",
+        _ => &discharge.by,
+    }
+}
+
 /// What kind of premise an obligation is; `None` if the proof shows it.
 fn kind(discharge: &DischargeEntry) -> Option<&'static str> {
     match discharge.rule {
         _ if discharge.by == ALWAYS_HOLDS => None,
         DischargeRuleName::Environment => Some("assumed about the environment"),
-        DischargeRuleName::Exported => Some("left to the caller"),
+        DischargeRuleName::Exported => Some(LEFT_TO_CALLER),
         DischargeRuleName::Controllers => Some(
             "true of the controllers that were synthesized, not of all that keep the contracts",
         ),
@@ -189,15 +203,25 @@ fn shown(premises: &[Premise], sources: &SourceMap) -> Markup {
     }
 }
 
-/// What it means that machines refine contracts.
-fn refinements<'a>(machines: impl IntoIterator<Item = &'a MachineEntry>) -> Markup {
+/// What it means that machines refine contracts, and whether they do.
+fn refinements<'a>(
+    machines: impl IntoIterator<Item = &'a MachineEntry>,
+    document: &Document,
+) -> Markup {
     let pairs = machines.into_iter().flat_map(|machine| {
         let refined = machine.refines.iter();
-        refined.map(|refined| (&machine.name, &refined.contract))
+        refined.map(|refined| (&machine.name, refined))
     });
+    let is_listed = |contract: &str| document.contracts.iter().any(|c| c.name == contract);
     html! {
-        @for (machine, contract) in pairs { p {
-            (contract) " is a contract of the machine " (machine) " as a whole. " (machine) " is declared to refine it: a proof of its own has to show that all components together keep it, as long as the assumptions of " (contract) " hold."
+        @for (machine, refined) in pairs { p {
+            (refined.contract) " is a contract of the machine " (machine) " as a whole."
+            @if !is_listed(&refined.contract) { " No component has it, so it is not among the contracts of this page." }
+            " " (match refined.verdict {
+                RefinementVerdict::Refined => "It is proved that the components together keep it, as long as its assumptions hold.",
+                RefinementVerdict::Broken => "It is not proved that the components together keep it; the findings say why.",
+                RefinementVerdict::GaveUp => "Whether the components together keep it was not decided within the limits.",
+            })
         } }
     }
 }

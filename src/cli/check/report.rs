@@ -5,7 +5,7 @@ use super::document::{ContractEntry, Document, LineEntry, MachineEntry, PlayEntr
 use super::table::{Mark, by_severity, in_words, line_verdict, summary_of_verdicts, term};
 use super::{changes, explained, flow, grounds};
 use crate::contract::line::Line;
-use crate::contract::machine::Machine;
+use crate::contract::machine::{Component, Machine};
 use crate::contract::{Contract, Definition, picture as machine_picture};
 use crate::diagnostics::codes;
 use crate::diagnostics::json::Finding;
@@ -20,6 +20,7 @@ use crate::report::html::parts::{
     Origin, count, drawing, figure, figures, findings, formula, links, names, origin, section,
     table, table_of, tile,
 };
+use crate::report::html::terms::{self, terms as terms_in};
 use crate::report::html::{self, contract as parts};
 use crate::source::SourceMap;
 use maud::{Markup, html};
@@ -35,43 +36,22 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
         ("machines", "Machines", !document.machines.is_empty()),
         ("skills", "Skills", !document.skills.is_empty()),
         ("contracts", "Contracts", !document.contracts.is_empty()),
+        (terms::LINK.0, terms::LINK.1, true),
         ("model", "Files", true),
     ];
     let shown = sections.iter().filter(|(.., is_there)| *is_there);
     let title = title(document);
+    let main = main(assembly, document, of);
     let body = html! {
         header {
             h1 { (title) }
-            p { "A contract says what a controller may expect of its plant (assumptions) and what it has to do (guarantees). It is realizable if some controller keeps all guarantees as long as the assumptions hold; otherwise the report shows how the plant wins. All proofs hold for every controller that keeps the contracts." }
-            p.hint { "Strict semantics, step by step (Bloem et al., 2012)." }
+            p { "A contract says what a controller may expect of its plant (assumptions) and what it has to do (guarantees). It is realizable if some controller keeps all guarantees as long as the assumptions hold; otherwise the report shows how the plant wins. A proof holds for every controller that keeps the contracts, unless it says something else." }
+            p.hint { "In each step, a controller has to keep its guarantees unless the plant has broken an assumption in this step or before (strict semantics of Bloem et al., 2012)." }
             (links(shown.map(|(id, name, _)| (*id, *name))))
         }
         main {
-            (tiles(document))
-            (section("results", "Results", &results(document)))
-            @if !document.findings.is_empty() {
-                (section("findings", "Findings outside all declarations", &findings(of.sources, &document.findings)))
-            }
-            @if !document.lines.is_empty() {
-                (section("lines", "Lines", &html! {
-                    @for (number, entry) in document.lines.iter().enumerate() { (line(assembly, document, number, entry)) }
-                }))
-            }
-            @if !document.machines.is_empty() {
-                (section("machines", "Machines", &html! {
-                    @for (number, entry) in document.machines.iter().enumerate() { (machine(assembly, number, entry)) }
-                }))
-            }
-            @if !document.skills.is_empty() {
-                (section("skills", "Skills", &html! {
-                    @for (number, entry) in document.skills.iter().enumerate() { (skills(number, entry, of.sources)) }
-                }))
-            }
-            @if !document.contracts.is_empty() {
-                (section("contracts", "Contracts", &html! {
-                    @for (number, entry) in document.contracts.iter().enumerate() { (contract(assembly, number, entry, of.sources)) }
-                }))
-            }
+            (main)
+            (terms_in(&main))
             // The findings are with what they are about.
             (origin("Files", &Origin { findings: &[], ..*of }, &[], &html! {}))
         }
@@ -83,6 +63,37 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
         data: None,
         script: "",
     })
+}
+
+/// What the page says about the result.
+fn main(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>) -> Markup {
+    html! {
+        (tiles(document))
+        (section("results", "Results", &results(document)))
+        @if !document.findings.is_empty() {
+            (section("findings", "Findings outside all declarations", &findings(of.sources, &document.findings)))
+        }
+        @if !document.lines.is_empty() {
+            (section("lines", "Lines", &html! {
+                @for (number, entry) in document.lines.iter().enumerate() { (line(assembly, document, number, entry)) }
+            }))
+        }
+        @if !document.machines.is_empty() {
+            (section("machines", "Machines", &html! {
+                @for (number, entry) in document.machines.iter().enumerate() { (machine(assembly, document, number, entry)) }
+            }))
+        }
+        @if !document.skills.is_empty() {
+            (section("skills", "Skills", &html! {
+                @for (number, entry) in document.skills.iter().enumerate() { (skills(number, entry, of.sources)) }
+            }))
+        }
+        @if !document.contracts.is_empty() {
+            (section("contracts", "Contracts", &html! {
+                @for (number, entry) in document.contracts.iter().enumerate() { (contract(assembly, number, entry, of.sources)) }
+            }))
+        }
+    }
 }
 
 /// What was checked: a line, if there is only one; else the kinds of declarations.
@@ -307,7 +318,7 @@ fn verdict_on_contract(
         }
         @if !entry.matters.is_empty() {
             h4 { "Assumptions that matter" }
-            p { "Without any one of them, fewer guarantees would already clash." }
+            p { "Each of them matters: if it is left out, a smaller set of guarantees already clashes." }
             (named_rules(&entry.matters, specification.assumptions.all(), sources))
         }
         @if let (Some(play), Some(shown)) = (play, &entry.play) {
@@ -322,7 +333,7 @@ fn verdict_on_contract(
         }
         @if let (false, Some(advice)) = (entry.suggestions.is_empty(), advice) { (changes::section(contract, advice, entry)) }
         @if let Some(counter) = &entry.counterstrategy {
-            p { "The counterstrategy has " (count(counter.states, "state")) "; " code { "linewright synth --counterstrategy --report FILE" } " shows it." }
+            p { "The strategy by which the plant wins (the counterstrategy) has " (count(counter.states, "state")) ". The command " code { "linewright synth --counterstrategy --report FILE" } " shows it." }
         }
     }
 }
@@ -331,7 +342,9 @@ fn verdict_on_contract(
 fn ending(play: &PlayEntry) -> Markup {
     html! {
         @if let Some(goal) = &play.never {
-            "The play goes on for ever, and " code { (goal) } " never holds again."
+            "The play repeats for ever"
+            @if let Some(step) = play.repeats_from { " from step " (step) " on" }
+            ", without meeting " code { (goal) } "."
         } @else if play.clash.is_empty() {
             "The machine has no move in the last step."
         } @else {
@@ -383,21 +396,36 @@ fn skills(number: usize, entry: &SkillsEntry, sources: &SourceMap) -> Markup {
     )
 }
 
-fn machine(assembly: &Assembly<'_>, number: usize, entry: &MachineEntry) -> Markup {
-    let components = entry.components.iter();
-    let components =
-        components.map(|c| vec![c.name.clone(), c.contract.clone(), in_words(c.verdict)]);
+fn machine(
+    assembly: &Assembly<'_>,
+    document: &Document,
+    number: usize,
+    entry: &MachineEntry,
+) -> Markup {
     let sources = &assembly.loaded.library.sources;
     let known = grounds::declared(entry, assembly.loaded);
+    let inputs = |name: &str| {
+        let mut components = known?.components.iter();
+        components.find(|c| c.name == name)
+    };
     let inside = html! {
         @if let Some(known) = known {
             (drawing(&machine_picture::to_svg(known), &format!("Components of {} with their wires", entry.name)))
         }
-        (table(&["Component", "Contract", "Verdict"], &components.collect::<Vec<_>>()))
+        (table_of("Components", &["Component", "Contract", "Verdict", "Inputs and what they get"], &html! {
+            @for c in &entry.components { tr {
+                th scope="row" { (c.name) }
+                td { (c.contract) }
+                td { (in_words(c.verdict)) }
+                td { @if let (Some(machine), Some(component)) = (known, inputs(&c.name)) {
+                    (wiring(machine, component))
+                } }
+            } }
+        }))
         @if let Some(closed) = &entry.closed {
             p {
-                "With the controllers that were synthesized, " (match closed.verdict {
-                    ClosedVerdict::Holds => "all obligations are met",
+                "The controllers that were synthesized were also examined together: " (match closed.verdict {
+                    ClosedVerdict::Holds => "they meet all obligations",
                     ClosedVerdict::Broken => "a run violates an obligation",
                     ClosedVerdict::Open => "some obligation is undecided, because a component is represented by its contract",
                     ClosedVerdict::GaveUp => "the obligations were not decided within the limits",
@@ -406,7 +434,7 @@ fn machine(assembly: &Assembly<'_>, number: usize, entry: &MachineEntry) -> Mark
                 "."
             }
         }
-        (grounds::of_machine(entry, known, sources))
+        (grounds::of_machine(entry, known, document, sources))
         (discharges(&entry.discharges, false))
         @for refined in &entry.refines {
             h4 { "Refinement of " (refined.contract) }
@@ -463,7 +491,7 @@ fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
                 @for d in discharges { tr {
                     th scope="row" { (names(&format!("{}: {}", d.component, d.assumption))) }
                     td { (argument(d)) }
-                    td { (names(&d.by)) }
+                    td { (names(grounds::rests_on(d))) }
                 } }
             }))
             p { "What the rules say that are named above:" }
@@ -507,14 +535,11 @@ fn argument(discharge: &DischargeEntry) -> String {
     match (discharge.rule, discharge.turn) {
         _ if discharge.by == ALWAYS_HOLDS => "needs no premise".to_owned(),
         (DischargeRuleName::Environment, _) => "assumed about the environment".to_owned(),
-        (DischargeRuleName::Exported, _) => "left to the caller".to_owned(),
+        (DischargeRuleName::Exported, _) => grounds::LEFT_TO_CALLER.to_owned(),
         (DischargeRuleName::Induction, _) => {
             "holds at the start and from each step to the next (induction)".to_owned()
         }
-        (DischargeRuleName::Justice, Some(turn)) => format!(
-            "happens again and again, shown in round {turn} of the proof (justice, turn {turn})"
-        ),
-        (DischargeRuleName::Justice, None) => "happens again and again (justice)".to_owned(),
+        (DischargeRuleName::Justice, _) => "happens again and again (justice)".to_owned(),
         (DischargeRuleName::Controllers, _) => {
             "true of the controllers that were synthesized".to_owned()
         }
@@ -560,6 +585,9 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
             p { "Not decided:" }
             ul { @for goal in &entry.undecided { li { (goal) } } }
         }
+        @if let Some(unused) = known.map(unused).filter(|unused| !unused.is_empty()) {
+            p { "No route leads to or from " (unused.join(", ")) ", so it is not used." }
+        }
         @if !entry.not_controlled.is_empty() {
             p { "These stations are given by their times. The proof takes for granted that their work ends: " (entry.not_controlled.join(", ")) "." }
         }
@@ -570,7 +598,7 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
         }
         @if !entry.work.is_empty() {
             h4 { "Time of the work on a part, without failures" }
-            p { "Actions: the time in which some action of the machine goes on. Control: the time of the steps in which none does, such as those in which the coordinator begins an action or notices its end; each takes as long as the " code { "step" } " of the machine. Both together are the work." }
+            p { "A range is over all values that a part can have, and all states in which it can find the machine. Actions: the time in which some action of the machine goes on. Control: the time of the steps in which none does, such as those in which the coordinator begins an action or notices its end; each takes as long as the " code { "step" } " of the machine. Both together are the work." }
             (table(&["Station", "Part", "Work", "Actions", "Control"], &work.collect::<Vec<_>>()))
         }
         (discharges(&entry.discharges, true))
@@ -588,6 +616,27 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
         &entry.findings,
         &inside,
     )
+}
+
+/// Names of the places to and from which no route leads.
+fn unused(line: &Line) -> Vec<&str> {
+    let nodes = line.nodes.iter().enumerate();
+    let unused = nodes.filter(|(number, _)| {
+        let mut routes = line.routes.iter();
+        !routes.any(|route| route.from == *number || route.to == *number)
+    });
+    unused.map(|(_, node)| node.name.as_str()).collect()
+}
+
+/// The inputs of a component that get something with another name, each with what it gets.
+fn wiring(machine: &Machine, component: &Component) -> Markup {
+    let wired = machine_picture::inputs(machine, component);
+    html! {
+        @for (number, (input, value)) in wired.iter().enumerate() {
+            @if number > 0 { br; }
+            (formula(input)) " gets " (formula(value))
+        }
+    }
 }
 
 #[cfg(test)]
