@@ -146,6 +146,15 @@ impl Frame {
         self.top + room * (1.0 - value / self.max.max(f64::MIN_POSITIVE))
     }
 
+    /// Lines at the marks of the vertical axis, of a class of the style sheet.
+    fn grid(&self, class: &str) -> Markup {
+        html! {
+            @for mark in marks(self.max, 4) {
+                line class=(class) x1=(self.left) x2=(WIDTH - RIGHT) y1=(number(self.y(mark))) y2=(number(self.y(mark))) {}
+            }
+        }
+    }
+
     fn draw(&self, label: &str, warm_up: f64, inside: &Markup) -> Markup {
         let (left, height) = (self.left, self.height);
         html! {
@@ -155,8 +164,8 @@ impl Frame {
                         title { "Warm-up: not counted" }
                     }
                 }
+                (self.grid("grid"))
                 @for mark in marks(self.max, 4) {
-                    line.grid x1=(left) x2=(WIDTH - RIGHT) y1=(number(self.y(mark))) y2=(number(self.y(mark))) {}
                     text x=(left - 6.0) y=(number(self.y(mark) + 4.0)) text-anchor="end" { (figure(mark)) }
                 }
                 @for (time, text) in self.moments.marks(self.seconds, 8) {
@@ -180,8 +189,10 @@ pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option
     let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(curve.end));
     let inside = html! {
         path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
+        (frame.grid("over"))
         path.line d=(format!("M{}", &mean[1..])) {}
         @if let Some(capacity) = capacity {
+            line.halo x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {}
             line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
                 title { "Capacity: " (capacity) }
             }
@@ -190,23 +201,32 @@ pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option
     frame.draw(label, axis.warm_up, &inside)
 }
 
-/// A quantity over time: the mean of each bin, which is `width` seconds wide.
+/// A quantity over time: the mean of each bin, which is `width` seconds wide, apart from the last.
 pub(super) fn rate(label: &str, values: &[f64], width: f64, axis: TimeAxis) -> Markup {
     let frame = axis.frame(values.iter().copied().fold(0.0, f64::max));
     let line = stairs(&frame, values, width, axis.end);
     let (left, bottom, right) = (frame.x(0.0), frame.y(0.0), frame.x(axis.end));
     let inside = html! {
         path.area d=(format!("M{left:.1} {bottom:.1}{line}L{right:.1} {bottom:.1}Z")) {}
+        (frame.grid("over"))
         path.line d=(format!("M{}", &line[1..])) {}
     };
     frame.draw(label, axis.warm_up, &inside)
+}
+
+/// The times at which a bin begins and ends, in seconds. The last one ends at `end`, whether it is
+/// shorter or longer than the others.
+pub(super) fn span(bin: usize, count: usize, width: f64, end: f64) -> (f64, f64) {
+    let start = bin as f64 * width;
+    let stop = if bin + 1 < count { start + width } else { end };
+    (start, stop)
 }
 
 /// A line of stairs, as path data that begins with `L`. A stair is as wide as a bin.
 fn stairs(frame: &Frame, values: &[f64], width: f64, end: f64) -> String {
     let mut data = String::new();
     for (bin, value) in values.iter().enumerate() {
-        let (start, stop) = (bin as f64 * width, ((bin + 1) as f64 * width).min(end));
+        let (start, stop) = span(bin, values.len(), width, end);
         let (x, right, y) = (frame.x(start), frame.x(stop), frame.y(*value));
         // Writing to a string cannot fail.
         let _ = write!(data, "L{x:.1} {y:.1}H{right:.1}");
@@ -314,10 +334,17 @@ pub(super) struct Range {
 
 /// Intervals, one below the other, on one scale: percent of the base of each.
 pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
+    /// Room for an interval and its text, and more for the dots above them.
     const ROW: f64 = 44.0;
+    const DOTS: f64 = 12.0;
+    let above = if ranges.iter().any(|range| !range.values.is_empty()) {
+        DOTS
+    } else {
+        0.0
+    };
     let lengths = ranges.iter().map(|range| range.name.chars().count());
     let names = (lengths.max().unwrap_or(0) as f64 * 6.6 + 16.0).clamp(210.0, 400.0);
-    let bottom = ranges.len() as f64 * ROW + 4.0;
+    let bottom = ranges.len() as f64 * (ROW + above) + 4.0;
     let height = bottom + 24.0;
     let scale = Scale::of(ranges, names + 110.0, WIDTH - 110.0);
     html! {
@@ -328,11 +355,11 @@ pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
             }
             line.capacity x1=(number(scale.x(0.0))) x2=(number(scale.x(0.0))) y1="2" y2=(bottom) {}
             @for (row, range) in ranges.iter().enumerate() {
-                @let y = row as f64 * ROW + 16.0;
+                @let y = row as f64 * (ROW + above) + above + 16.0;
                 text.name x=(names) y=(y + 4.0) text-anchor="end" { (range.name) }
                 line.interval x1=(number(scale.x(range.low))) x2=(number(scale.x(range.high))) y1=(y) y2=(y) {}
                 @for (index, value) in range.values.iter().enumerate() {
-                    circle.run cx=(number(scale.x(*value))) cy=(number(y - 6.0 + 4.0 * (index % 4) as f64)) r="3" {}
+                    circle.run cx=(number(scale.x(*value))) cy=(number(y - 9.0 - 5.0 * (index % 4) as f64)) r="2.5" {}
                 }
                 circle.mean cx=(number(scale.x(range.mean))) cy=(y) r="5" {}
                 text x=(number(scale.x(range.mean))) y=(y + 20.0) text-anchor="middle" { (range.text) }

@@ -165,9 +165,9 @@ impl Recorder {
         self.units_by_type[kind].clone().until(self.end)
     }
 
-    /// End products an hour in each bin of time, and the width of a bin in seconds. A last bin of
-    /// less than half that width has the mean of itself and the bin before it: a product more or
-    /// less would look like a burst.
+    /// End products an hour in each bin of time, and the width of a bin in seconds. The last one
+    /// goes up to the end. What is left there and is less than half as wide is part of the bin
+    /// before it: a product more or less would look like a burst.
     pub(super) fn throughput(&self) -> (Vec<f64>, f64) {
         /// Maximum number of bins: a product that is finished must not look like a burst.
         const BINS: usize = 48;
@@ -188,9 +188,9 @@ impl Recorder {
         if let [.., before, last] = sums[..]
             && length(sums.len() - 1) < width / 2.0
         {
-            let mean = per_hour(before + last, width + length(sums.len() - 1).max(0.0));
-            let tail = bins.len() - 2;
-            bins[tail..].fill(mean);
+            bins.truncate(sums.len() - 2);
+            let start = bins.len() as f64 * width;
+            bins.push(per_hour(before + last, self.end - start));
         }
         (bins, width)
     }

@@ -139,10 +139,10 @@ fn the_figures_are_those_of_the_run() {
             let by_type = types.map(|kind| mean(&recorder.units_of(kind), 0.0));
             assert_near(by_type.sum(), trace.wip.mean, "WIP by part type");
             let (rates, width) = recorder.throughput();
-            let products = rates
-                .iter()
-                .enumerate()
-                .map(|(bin, rate)| rate * (recorder.end - bin as f64 * width).min(width) / 3600.0);
+            let products = rates.iter().enumerate().map(|(bin, rate)| {
+                let (start, stop) = charts::span(bin, rates.len(), width, recorder.end);
+                rate * (stop - start) / 3600.0
+            });
             assert_near(
                 products.sum(),
                 trace.products as f64,
@@ -199,7 +199,7 @@ fn the_conclusion_is_in_words() {
             "Products an hour, in bins of 30 min.",
             "the mean of each 5 min</li>",
             "up to the maximum in this time</li>",
-            "faint, on an arrow: a part that has just moved",
+            "pale, on an arrow: a part that has just moved",
         ],
     );
     assert!(!text.contains("idle</"));
@@ -349,9 +349,17 @@ fn the_last_product_is_in_the_throughput() {
         "time of the last product",
     );
     let (rates, width) = run.recorder.throughput();
-    let lengths = (0..rates.len()).map(|bin| (run.recorder.end - bin as f64 * width).min(width));
-    let products: f64 = lengths.zip(&rates).map(|(s, rate)| rate * s / 3600.0).sum();
-    assert_near(products, 300.0, "products");
+    let end = run.recorder.end;
+    let spans = (0..rates.len()).map(|bin| charts::span(bin, rates.len(), width, end));
+    let products = spans.zip(&rates);
+    let products = products.map(|((start, stop), rate)| rate * (stop - start) / 3600.0);
+    assert_near(products.sum(), 300.0, "products");
+    // 1505 s in bins of 60 s: the last 5 s belong to the bin before them.
+    assert_eq!((rates.len(), width), (25, 60.0));
+    assert_contains(
+        &run.written(),
+        &["in bins of 1 min. The last one is 1 min 5 s long."],
+    );
 }
 
 /// A line whose parts leave it, but are no products, has no bottleneck, in all places.

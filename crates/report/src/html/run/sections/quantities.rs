@@ -71,10 +71,11 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
         } }
         @if trace.products > 0 {
             h3 { "Throughput" }
-            p { "Products an hour, in bins of " (duration_in_units(width)) "." }
+            p { "Products an hour, in bins of " (duration_in_units(width)) "." (last_bin(&throughput, width, recorder.end)) }
             (charts::rate("Throughput over time in products an hour", &throughput, width, axis))
-            (behind(&["Time from", "Products an hour"], &throughput.iter().enumerate().map(|(bin, rate)| {
-                vec![moments.instant(bin as f64 * width), figure(*rate)]
+            (behind(&["Time from", "to", "Products an hour"], &throughput.iter().enumerate().map(|(bin, rate)| {
+                let (start, stop) = charts::span(bin, throughput.len(), width, recorder.end);
+                vec![moments.instant(start), moments.instant(stop), figure(*rate)]
             }).collect::<Vec<_>>()))
         }
         @for (node, capacity, curve) in &buffers {
@@ -86,6 +87,18 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
         }
     };
     section_of_first(page, "queues", "Work in progress and queues", &inside)
+}
+
+/// Says how long the last of some bins is, if it is not as long as the others.
+fn last_bin(bins: &[f64], width: f64, end: f64) -> String {
+    let Some(last) = bins.len().checked_sub(1) else {
+        return String::new();
+    };
+    let (start, stop) = charts::span(last, bins.len(), width, end);
+    if (stop - start - width).abs() < 0.5 {
+        return String::new();
+    }
+    format!(" The last one is {} long.", duration_in_units(stop - start))
 }
 
 /// The legend of curves with bins of this width in seconds.
@@ -357,7 +370,7 @@ fn balance(page: &Page<'_>) -> Markup {
         "At the end",
     ];
     html! {
-        p { "Parts that were in the line before counting began, and parts that entered it or were made in it, have finished, were rejected, were joined to others, or were in the line at the end. Rejected parts came into a sink for rejects, or were taken out elsewhere: by a failure, at the end of their shelf life, or because a contract refused them." }
+        p { "Each part was in the line before counting began, or entered it or was made in it later. By the end of the run it had finished, been rejected, or been joined to other parts, or it was still in the line. Rejected parts went to a sink for rejects, or were taken out elsewhere: by a failure, at the end of their shelf life, or because a contract refused them." }
         (table(&headings, &rows))
     }
 }
@@ -402,7 +415,7 @@ fn yields(page: &Page<'_>) -> Markup {
     ];
     html! {
         h3 { "First-pass yield" }
-        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Rework: a station began to work on the part for the second time; alike stations in parallel are one. A joined part is a new part: what a station does to it is no rework, even if the same station has worked on a part in it before. If it is reworked itself, so are all parts in it. The yield is the share of the parts without rework in all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
+        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Rework: a station began to work on the part for the second time. Stations of one declaration, which work in parallel, count as one station. A joined part is a new part: what a station does to it is no rework, even if the same station has worked on a part in it before. If it is reworked itself, so are all parts in it. The yield is the share of the parts without rework in all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
         (table(&headings, &rows))
     }
 }
