@@ -2,6 +2,7 @@
 
 use super::super::charts::signed;
 use super::super::picture::by_type;
+use super::super::recorder::Balance;
 use super::super::{Compared, Page};
 use super::intervals::{changes, estimate, interval, mean_of_runs};
 use super::summary::judged;
@@ -59,17 +60,18 @@ fn products(page: &Page<'_>) -> String {
     let runs = page.traces.len();
     if page.traces.iter().all(|trace| trace.products == 0) {
         let parts = 0..page.line.parts.len();
-        let others: Vec<u64> = parts
-            .map(|kind| page.recorder.balance(kind).finished)
-            .collect();
-        let others = if runs == 1 && others.iter().any(|number| *number > 0) {
-            format!(
-                "; other parts that left it: {}",
-                by_type(page.line, &others)
-            )
-        } else {
-            String::new()
+        let balances: Vec<Balance> = parts.map(|kind| page.recorder.balance(kind)).collect();
+        let left = |name: &str, number: fn(&Balance) -> u64| {
+            let numbers: Vec<u64> = balances.iter().map(number).collect();
+            if runs == 1 && numbers.iter().any(|number| *number > 0) {
+                format!("; {name}: {}", by_type(page.line, &numbers))
+            } else {
+                String::new()
+            }
         };
+        let finished = left("other parts that left it", |of| of.finished);
+        let rejected = left("rejected or taken out", |of| of.rejected + of.scrapped);
+        let others = finished + &rejected;
         return format!(
             "The line made no product in {}{others}.",
             counted_runs(runs)
