@@ -82,6 +82,16 @@
     return low - 1;
   }
 
+  // Places in ascending order, those less than a distance apart as one: first, last, and how many.
+  function merged(places, distance) {
+    const groups = [];
+    for (const place of places) {
+      const group = groups.at(-1);
+      if (group && place - group[1] < distance) { group[1] = place; group[2]++; } else groups.push([place, place, 1]);
+    }
+    return groups;
+  }
+
   // ---- Numbers for people -------------------------------------------------------------------
 
   const two = (n) => String(n).padStart(2, "0");
@@ -376,7 +386,8 @@
     }
     if (data.violations.length) {
       const path = document.createElementNS(SVG, "path");
-      path.setAttribute("d", data.violations.map(([at]) => `M${(1000 * at / data.end).toFixed(2)} 0V10`).join(""));
+      const places = data.violations.map(([at]) => 1000 * at / data.end);
+      path.setAttribute("d", merged(places, 6).map(([first, last]) => `M${(first - 1.5).toFixed(2)} 0H${(last + 1.5).toFixed(2)}V10H${(first - 1.5).toFixed(2)}Z`).join(""));
       byId("marks").append(path);
     }
     if (data.movesEnd !== null) {
@@ -388,6 +399,7 @@
 
   const canvas = byId("gantt");
   const AXIS = 24;
+  const FONT = "13px system-ui, sans-serif";
   // Height of a row: few rows are higher.
   let ROW = 26;
   let from = 0, to = 0, rows = [], left = 0, right = 0;
@@ -436,7 +448,7 @@
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.fillStyle = colours.ground;
     pen.fillRect(0, 0, width, height);
-    pen.font = "13px system-ui, sans-serif";
+    pen.font = FONT;
     pen.textBaseline = "middle";
     [left, right] = data.margins.map((share) => share * width);
     const scale = (width - left - right) / (to - from);
@@ -528,24 +540,35 @@
     }
   }
 
-  // A triangle at the top of the row for each refusal, at most one a pixel.
+  // A triangle at the top of the row for each refusal; a bar with their number for some that would
+  // overlap.
   function drawRefusals(pen, times, x, y) {
     if (!times) return;
-    pen.fillStyle = colours.failed;
-    pen.strokeStyle = colours.ground;
-    let drawn = -1;
-    for (let index = Math.max(0, last(times, from)); index < times.length && times[index] <= to; index++) {
-      const at = Math.round(x(times[index]));
-      if (times[index] < from || at === drawn) continue;
-      drawn = at;
+    const start = last(times, from) + (times[last(times, from)] === from ? 0 : 1);
+    const seen = times.subarray(start, last(times, to) + 1);
+    for (const [first, end, count] of merged([...seen].map(x), 11)) {
+      pen.fillStyle = colours.failed;
+      pen.strokeStyle = colours.ground;
       pen.beginPath();
-      pen.moveTo(at - 4.5, y - 2);
-      pen.lineTo(at + 4.5, y - 2);
-      pen.lineTo(at, y + 7);
+      if (count === 1) {
+        pen.moveTo(first - 4.5, y - 2);
+        pen.lineTo(first + 4.5, y - 2);
+        pen.lineTo(first, y + 7);
+      } else {
+        pen.rect(first - 4.5, y - 2, end - first + 9, 14);
+      }
       pen.closePath();
       pen.fill();
       pen.stroke();
+      const text = count.toLocaleString("en");
+      pen.font = "bold 12px system-ui, sans-serif";
+      if (count > 1 && pen.measureText(text).width < end - first + 3) {
+        pen.fillStyle = colours.ground;
+        pen.textAlign = "left";
+        pen.fillText(text, first, y + 5.5);
+      }
     }
+    pen.font = FONT;
   }
 
   function drawCursor() {

@@ -90,7 +90,7 @@ impl Picture {
                 @if let NodeKind::Conveyor { places, .. } = kind {
                     @for place in 1..(*places).min(60) {
                         @let at = size.width * f64::from(place) / f64::from((*places).min(60));
-                        line.place x1=(number(at)) x2=(number(at)) y1=(number(size.height - 32.0)) y2=(number(size.height - 18.0)) {}
+                        line.place x1=(number(at)) x2=(number(at)) y1=(number(size.height - 31.0)) y2=(number(size.height - 18.0)) {}
                     }
                 }
                 text x=(number(size.width / 2.0)) y="15" { (name) }
