@@ -281,10 +281,10 @@ impl WorkTime {
 /// to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oee {
-    /// Time in work by the planned time. All time on shift is planned, and overtime is, too.
+    /// Time in work, divided by the planned time. All time on shift is planned, and overtime is, too.
     pub availability: f64,
-    /// Planned time of the work done by the time in work. It is less than 1 if work began again
-    /// after failures.
+    /// Planned time of the completed work, divided by the time in work. It is less than 1 if work
+    /// began again after failures.
     pub effectiveness: f64,
     /// Share of the processed parts that were not rejected because of this station.
     pub quality: f64,

@@ -35,10 +35,10 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
     let inside = html! {
         p {
             "A contract has the rules that a machine's controller keeps, and those that it assumes of the plant. There were "
-            (count(trace.violation_count)) " violations of contracts, by place and rule."
+            (count(trace.violation_count)) " violations of contracts. The first table groups them by place and rule."
             @if is_cut { " The tables have the first " (count(trace.violations.len() as u64)) "." }
         }
-        p.hint { "The number of a part is its place among the parts of all types, in the order in which they were made." }
+        p.hint { "Parts are numbered in the order in which they were made, over all types. A name with a colon before a rule is that of the component of the machine whose contract has the rule." }
         (table_of("Table of violations", &["First", "Last", "Number", "Place", "Rule", "What happened first"], &html! {
             @for (first, number, last) in &kinds { tr {
                 th scope="row" { (jump(moments, first.time)) }

@@ -105,7 +105,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
     let heading = heading_of(intervals);
     let about = match intervals {
         Intervals::Replications(runs) => format!(
-            "Means of {} runs with 95 % confidence intervals, in percent of each mean. Each small dot is a run.",
+            "Means of {} runs with 95 % confidence intervals, in percent of each mean. Each small dot is a run; its height has no meaning.",
             runs.seeds.len()
         ),
         Intervals::Batches(batches) => format!(

@@ -31,14 +31,14 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
             svg #marks viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true" {}
         }
         p.hint #cut {}
-        @if trace.violation_count > 0 { p.hint { "Red marks below the slider: violations." } }
+        @if trace.violation_count > 0 { p.hint { "Red below the slider: the violations. Those that are close together are one bar." } }
         div.scroll.picture tabindex="0" role="group" aria-label="Picture" { (picture.draw(page.line, page.recorder)) }
         p #status role="status" { "Point at a place, or move the focus to it, to see what it does." }
         (legend())
         (parts_legend(page, &html! {
-            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "faint, on an arrow: a part that has just moved" }
+            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "pale, on an arrow: a part that has just moved" }
         }))
-        p.hint { "A part goes from place to place in no time, so every part is drawn in a place, and the number in a place is that of the parts there. In a sink, it is that of the parts that it has taken so far; in a source, that of the parts that it has delivered; a store has both, \"in\" and \"out\". Of more than 14, some are drawn and the rest is a number. While the run plays, a faint copy on the arrow shows the way of a part that has just moved. The number of a part is its place among the parts of all types, in the order in which they were made." }
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place. The figure in a place counts the parts there. In a sink it counts the parts taken so far, in a source the parts delivered; a store has both, \"in\" and \"out\". Of more than 14 parts, some are drawn, and the figure counts the rest. While the run plays, a pale copy on the arrow shows the way of a part that has just moved. Parts are numbered in the order in which they were made, over all types." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())
@@ -287,7 +287,7 @@ fn losses(page: &Page<'_>) -> Markup {
     html! {
         p { "The time of " (station.name) " by state" @if has_time_off { "; the bottleneck is judged by shares of the time on shift" } ":" }
         (table(&headings, &rows.collect::<Vec<_>>()))
-        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the work done by the time in work: it is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good. " (CHARGED) }
+        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time divided by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the completed work, divided by the time that the station was busy. It is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good. " (CHARGED) }
     }
 }
 
@@ -303,7 +303,7 @@ pub(super) fn timeline(page: &Page<'_>) -> Markup {
     });
     let has_refusals = page.recorder.refusals.iter().any(|times| !times.is_empty());
     let inside = html! {
-        p { "Drag to move, turn the wheel or press + and − to zoom, 0 to see all. A click sets the time of the picture above. Where states are too short to be seen, the height of each colour is its share." }
+        p { "Drag to move, turn the wheel or press + and − to zoom, 0 to see all. A click sets the time of the picture above. Where states are too short to be seen, the height of each color is its share." }
         @if let Some((end, width)) = later {
             p { "From " (end) " on, there were too many changes: the rows show the shares of the states in each " (width) "." }
         }
@@ -319,8 +319,9 @@ pub(super) fn timeline(page: &Page<'_>) -> Markup {
         }
         (legend_with(&html! { @if has_refusals {
             li { svg.key viewBox="0 0 16 16" aria-hidden="true" { path.refusal d="M2 2H14L8 14Z" {} } "refused" }
+            li { svg.key viewBox="0 0 16 16" aria-hidden="true" { rect.refusal y="2" width="16" height="12" {} } "refused several times, with the number" }
         } }))
-        @if has_refusals { p.hint { "A station or conveyor refuses a part, or a command, if its contract does not allow it. This takes no time, so it is a mark on the row and not a state." @if page.recorder.has_more_refusals() { " Later refusals are not marked." } } }
+        @if has_refusals { p.hint { "A station or conveyor refuses a part, or a command, if its contract does not allow it. This takes no time, so it is a mark on the row and not a state. Marks that would overlap are one bar." @if page.recorder.has_more_refusals() { " Later refusals are not marked." } } }
     };
     section_of_first(page, "timeline", "Timeline of the stations", &inside)
 }

@@ -142,7 +142,7 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
     let unpowered = unpowered(page).len();
     let unpowered = if unpowered > 0 {
         format!(
-            "; {unpowered} of {} stations are without: the model gives them no power",
+            "; the model gives no power for {unpowered} of {} stations, so their energy is not included",
             trace.stations.len()
         )
     } else {
