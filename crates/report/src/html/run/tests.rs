@@ -189,7 +189,7 @@ fn the_conclusion_is_in_words() {
             "In this one run, the line made 294 products (189 WaterPallet, 105 JuicePallet), 12.2 an hour (17.3 on shift); half of them were in it for at most 6 min 28 s. The supply from water and juice limits the line first: filler waits for parts for 11.9 % of its time on shift. All requirements hold. No station or conveyor has a contract that could be violated. One run has no confidence interval: add <code class=\"option\">--replications 10</code> to get one.",
             "189 WaterPallet, 105 JuicePallet; 21 Water, 14 Juice rejected",
             "availability 69.6 % (busy share of its time on shift)",
-            "Availability is that of ISO 22400-2: actual production time by planned busy time",
+            "Availability is that of ISO 22400-2: actual production time divided by planned busy time",
             "filler off shift: 29.2 %",
             ">Mon</text>",
             ">12:00</text>",
@@ -341,7 +341,7 @@ fn a_line_of_one_product_names_it() {
 #[test]
 fn the_last_product_is_in_the_throughput() {
     let text = "line L { part P source s: P every 5 s station a { takes 5 s } sink out
-        route P: s -> a -> out limit 300 products }";
+        route P: s -> a -> out limit 301 products }";
     let run = recorded(text, Options::default());
     assert_near(
         run.trace.makespan,
@@ -353,7 +353,7 @@ fn the_last_product_is_in_the_throughput() {
     let spans = (0..rates.len()).map(|bin| charts::span(bin, rates.len(), width, end));
     let products = spans.zip(&rates);
     let products = products.map(|((start, stop), rate)| rate * (stop - start) / 3600.0);
-    assert_near(products.sum(), 300.0, "products");
+    assert_near(products.sum(), 301.0, "products");
     // 1505 s in bins of 60 s: the last 5 s belong to the bin before them.
     assert_eq!((rates.len(), width), (25, 60.0));
     assert_contains(
