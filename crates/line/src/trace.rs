@@ -281,7 +281,7 @@ impl WorkTime {
 /// to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oee {
-    /// Time in work, divided by the planned time. All time on shift is planned, and overtime is, too.
+    /// Time in work, divided by the planned time. All time on shift and all overtime is planned.
     pub availability: f64,
     /// Planned time of the completed work, divided by the time in work. It is less than 1 if work
     /// began again after failures.

@@ -87,8 +87,8 @@ struct Setup {
     /// Number of parts of type `b` in one part of type `a`, at index `a * types + b`; 1 if `a` is
     /// `b`.
     contents: Vec<u64>,
-    /// By node: the number under which parts note that a station has worked on them, which is that of
-    /// the first of parallel stations; `None` if no part comes twice.
+    /// By node: the number under which parts note that a station has worked on them, which is that
+    /// of the first of parallel stations; `None` if no part comes twice.
     visits: Vec<Option<u32>>,
     /// The sources that stop while a number of parts is in the line.
     limited_sources: Vec<usize>,
@@ -614,8 +614,8 @@ fn first_copies(line: &Line) -> Vec<u32> {
         .collect()
 }
 
-/// See [`Setup::visits`]. Nodes that are not behind a cycle of routes are removed one after the other,
-/// those without predecessors first; parts come to them at most once.
+/// See [`Setup::visits`]. Nodes without predecessors are removed until there are none. What is left
+/// lies on a cycle of routes or behind one; parts come to the other nodes at most once.
 fn visits(line: &Line) -> Vec<Option<u32>> {
     let first = first_copies(line);
     let mut ways: Vec<Vec<u32>> = vec![Vec::new(); first.len()];

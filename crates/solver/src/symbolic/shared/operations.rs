@@ -82,7 +82,7 @@ impl Store {
         let level = self.level(a).min(self.level(b));
         let (a_high, a_low) = self.cofactors(a, level);
         let (b_high, b_low) = self.cofactors(b, level);
-        // Both are looked up at once, so that the processor waits for both entries at the same time.
+        // Both are looked up first, so that the processor waits for both entries at the same time.
         let high = self.find_and(a_high, b_high);
         let low = self.find_and(a_low, b_low);
         let (high, low) = match (high, low) {
