@@ -1,6 +1,6 @@
 //! Formatting of expressions in the syntax of the contract language, with labels by name.
 
-use super::{BinaryOp, Domain, Expr, Specification, Time, UnaryOp};
+use super::{BinaryOp, Domain, Expr, Specification, Time, UnaryOp, Variable};
 
 /// Binding strength, from the weakest to the strongest.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,6 +19,11 @@ enum Binds {
 /// expression.
 pub fn text(specification: &Specification, expr: &Expr) -> String {
     print(specification, expr, TRUTH).0
+}
+
+/// Formats a value for this variable, which can be one of another specification.
+pub fn value(specification: &Specification, expr: &Expr, variable: &Variable) -> String {
+    print(specification, expr, notation_for(variable)).0
 }
 
 /// Formats a boolean expression as an operand: in parentheses unless it is a name, a comparison or
@@ -156,18 +161,20 @@ fn print<'s>(s: &'s Specification, expr: &Expr, notation: Option<Notation<'s>>) 
     }
 }
 
+/// Returns the notation for the values of a variable; `None` for bare numbers.
+fn notation_for(variable: &Variable) -> Option<Notation<'_>> {
+    match &variable.domain {
+        Domain::Range { .. } if variable.unit.is_empty() => None,
+        Domain::Range { .. } => Some(Notation::Unit(&variable.unit)),
+        domain => Some(Notation::Label(domain)),
+    }
+}
+
 /// Returns the notation for constants that an expression is compared with; `None` for bare numbers.
 fn notation_of<'s>(s: &'s Specification, expr: &Expr) -> Option<Notation<'s>> {
     use BinaryOp as B;
     match expr {
-        Expr::Var(v, _) => {
-            let variable = s.variable(*v);
-            match &variable.domain {
-                Domain::Range { .. } if variable.unit.is_empty() => None,
-                Domain::Range { .. } => Some(Notation::Unit(&variable.unit)),
-                domain => Some(Notation::Label(domain)),
-            }
-        }
+        Expr::Var(v, _) => notation_for(s.variable(*v)),
         Expr::If(_, a, b) | Expr::Binary(B::Add | B::Sub | B::Min | B::Max, a, b) => {
             notation_of(s, a).or_else(|| notation_of(s, b))
         }

@@ -6,7 +6,7 @@
 
 use super::machine::{Component, Machine, PlantInput, PlantSource, Role};
 use linewright_core::drawing::{BoxStyle, Edge, Frame, Graph, svg};
-use linewright_core::gr1::text::text;
+use linewright_core::gr1::text;
 use linewright_core::gr1::{Expr, Owner, Side, Specification, Timing, Variable};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -262,8 +262,9 @@ pub fn inputs(machine: &Machine, component: &Component) -> Vec<(String, String)>
     let own = &component.specification;
     let inputs = own.inputs().zip(&component.bindings);
     let inputs = inputs.map(|(id, binding)| {
-        let value = text(&specification, binding);
-        (own.variable(id).name.clone(), value)
+        let input = own.variable(id);
+        let value = text::value(&specification, binding, input);
+        (input.name.clone(), value)
     });
     inputs.filter(|(name, value)| name != value).collect()
 }
