@@ -422,6 +422,7 @@ fn machine(
                 } }
             } }
         }))
+        p.hint { "An input that is not named gets the signal of the same name." }
         @if let Some(closed) = &entry.closed {
             p {
                 "The controllers that were synthesized were also examined together: " (match closed.verdict {

@@ -1,6 +1,6 @@
 //! Parts of pages that show a contract: its interface, its rules, and plays as timing diagrams.
 
-use super::parts::{behind, drawing, formula, table, table_of};
+use super::parts::{behind, drawing, formula, table, table_of, with_code};
 use linewright_core::drawing::timing::{self, Level};
 use linewright_core::gr1::{FormulaKind, Owner, Specification, VarId, Variable, diagram};
 use linewright_core::source::{SourceMap, Span};
@@ -15,7 +15,7 @@ const MAX_STEPS: usize = 400;
 /// The contract's comment, and the terms of its codes in the taxonomies.
 pub fn description(contract: &Contract) -> Markup {
     html! {
-        @if !contract.doc.is_empty() { p.doc { (contract.doc) } }
+        @if !contract.doc.is_empty() { p.doc { (with_code(&contract.doc)) } }
         @if !contract.codes.is_empty() {
             p { @for (index, code) in contract.codes.iter().enumerate() {
                 @if index > 0 { "; " }

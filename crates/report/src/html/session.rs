@@ -75,7 +75,7 @@ pub fn page(page: &Page<'_>) -> String {
         }
         main {
             (main)
-            (terms::terms(&main))
+            (terms::terms(&html! { (of_contract::description(page.contract)) (main) }))
             (parts::origin("Files", &page.origin, &[], &html! {}))
         }
     };

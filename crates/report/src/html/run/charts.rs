@@ -190,13 +190,14 @@ pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option
     let inside = html! {
         path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
         (frame.grid("over"))
-        path.line d=(format!("M{}", &mean[1..])) {}
         @if let Some(capacity) = capacity {
             line.halo x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {}
             line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
                 title { "Capacity: " (capacity) }
             }
         }
+        // Above the capacity: a full buffer is at both.
+        path.line d=(format!("M{}", &mean[1..])) {}
     };
     frame.draw(label, axis.warm_up, &inside)
 }

@@ -199,7 +199,7 @@ fn the_conclusion_is_in_words() {
             "Products an hour, in bins of 30 min.",
             "the mean of each 5 min</li>",
             "up to the maximum in this time</li>",
-            "pale, on an arrow: a part that has just moved",
+            "on an arrow: a part that has just moved",
         ],
     );
     assert!(!text.contains("idle</"));

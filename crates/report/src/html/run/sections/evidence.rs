@@ -34,7 +34,7 @@ pub(super) fn violations(page: &Page<'_>) -> Markup {
     let shown = trace.violations.len().min(SHOWN_VIOLATIONS);
     let inside = html! {
         p {
-            "A contract has the rules that a machine's controller keeps, and those that it assumes of the plant. There were "
+            "A contract has the rules that a machine's controller keeps, and those that it assumes of the plant, which is everything outside the controller. There were "
             (count(trace.violation_count)) " violations of contracts. The first table groups them by place and rule."
             @if is_cut { " The tables have the first " (count(trace.violations.len() as u64)) "." }
         }

@@ -36,9 +36,9 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
         p #status role="status" { "Point at a place, or move the focus to it, to see what it does." }
         (legend())
         (parts_legend(page, &html! {
-            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "pale, on an arrow: a part that has just moved" }
+            li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "on an arrow: a part that has just moved" }
         }))
-        p.hint { "A part goes from place to place in no time, so every part is drawn in a place. The figure in a place counts the parts there. In a sink it counts the parts taken so far, in a source the parts delivered; a store has both, \"in\" and \"out\". Of more than 14 parts, some are drawn, and the figure counts the rest. While the run plays, a pale copy on the arrow shows the way of a part that has just moved. Parts are numbered in the order in which they were made, over all types." }
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place. The figure in a place counts the parts there. In a sink it counts the parts taken so far, in a source the parts delivered; a store has both, \"in\" and \"out\". Of more than 14 parts, some are drawn, and a number such as +3 stands for the others. While the run plays, a copy on the arrow shows the way of a part that has just moved. Parts are numbered in the order in which they were made, over all types." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())

@@ -65,6 +65,7 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
                 (conclusion(page))
                 @if page.intervals.is_none() { " One run has no confidence interval: add " code.option { "--replications 10" } " to get one." }
             }
+            p.hint { "Figures are rounded, so sums of them can differ in the last digit." }
             (links(sections.into_iter().filter(|(.., is_there)| *is_there).map(|(id, name, _)| (id, name))))
         }
     }
