@@ -239,12 +239,12 @@ fn what_a_machine_never_does_no_controller_does() {
     }
 }
 
-/// Whether the comment says why a rule is kept that could be left out.
+/// Whether the comment says why a rule is here that could be left out.
 fn is_kept(entry: &Entry, name: &str) -> bool {
     let named = format!("`{name}`");
     entry.comment.split(['.', ':', ';']).any(|sentence| {
         sentence.contains(&named)
-            && (sentence.contains(" is kept ") || sentence.contains(" are kept "))
+            && (sentence.contains(" is here because ") || sentence.contains(" are here because "))
     })
 }
 
