@@ -115,7 +115,7 @@ fn rejected_parts_that_nobody_orders_again() {
     assert_eq!((trace.end, trace.products), (End::Blocked, 4));
     insta::assert_snapshot!(text(&trace), @"
     LW405: cell refused Part 2 at 0:00:01: turn: the assumption gripped does not hold in step 3
-      Compare the rule with the properties of the part, and with the inputs that the machine gives to its components.
+      `turn` is a component of the machine cell_machine. Compare the rule with the properties of the part, and with the inputs that the machine gives to `turn`.
     LW403: the line can no longer advance at 0:00:04, with 4 of 5 products made: nothing is left to do: printer has made all 5 that were ordered, and 1 part was rejected and not ordered again
       Let a source make more parts (a sink that rejects parts can order replacements), or require fewer products.
     ");
