@@ -33,7 +33,7 @@ use super::TaxonomyCode;
 use super::distribution::Distribution;
 use crate::order::{Level, Skills};
 use linewright_core::gr1::{
-    BinaryOp, Domain, Expr, Side, Specification, UnaryOp, Variable, describe_domain,
+    BinaryOp, Domain, Expr, Owner, Side, Specification, UnaryOp, Variable, describe_domain,
 };
 use linewright_core::source::Span;
 pub use linewright_syntax::ast::InterruptedWork;
@@ -216,6 +216,18 @@ pub struct PlantInput {
 }
 
 impl PlantInput {
+    /// The wire as an input of a specification.
+    pub(super) fn variable(&self) -> Variable {
+        Variable {
+            name: self.name.clone(),
+            owner: Owner::Environment,
+            internal: false,
+            domain: self.domain.clone(),
+            unit: self.unit.clone(),
+            span: self.span,
+        }
+    }
+
     /// Formats the domain with its unit: `0..359 deg`.
     pub fn describe(&self) -> String {
         describe_domain(&self.domain, &self.unit)

@@ -7,7 +7,7 @@
 use super::machine::{Component, Machine, PlantInput, PlantSource, Role};
 use linewright_core::drawing::{BoxStyle, Edge, Frame, Graph, svg};
 use linewright_core::gr1::text;
-use linewright_core::gr1::{Expr, Owner, Side, Specification, Timing, Variable};
+use linewright_core::gr1::{Expr, Side, Specification, Timing, Variable};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of signals in a label or in a box of the plant.
@@ -271,14 +271,7 @@ pub fn inputs(machine: &Machine, component: &Component) -> Vec<(String, String)>
 
 /// The wires of a machine as variables, with the names that they have in its declaration.
 fn all_wires(machine: &Machine) -> Specification {
-    let plant = machine.plant.iter().map(|input| Variable {
-        name: input.name.clone(),
-        owner: Owner::Environment,
-        internal: false,
-        domain: input.domain.clone(),
-        unit: input.unit.clone(),
-        span: input.span,
-    });
+    let plant = machine.plant.iter().map(PlantInput::variable);
     let of_components = machine.components.iter().flat_map(|component| {
         let own = &component.specification;
         own.outputs().map(move |id| {

@@ -15,7 +15,8 @@
 
 use super::nested::{Level, Nested, VisibleItem};
 use crate::contract::machine::{
-    Component, InnerMachine, Layers, Machine, RealExpr, RefinedContract, Role, Rules, SkillOrders,
+    Component, InnerMachine, Layers, Machine, PlantInput, RealExpr, RefinedContract, Role, Rules,
+    SkillOrders,
 };
 use linewright_core::gr1::{
     Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -551,14 +552,7 @@ pub(super) fn is_set_early(machine: &Machine, expr: &Expr) -> bool {
 /// Returns the view of a machine: a contract without formulas, with the machine's plant wires as
 /// inputs and the visible items as outputs.
 pub(super) fn view(machine: &Machine, visible: &[VisibleItem]) -> Specification {
-    let inputs = machine.plant.iter().map(|input| Variable {
-        name: input.name.clone(),
-        owner: Owner::Environment,
-        internal: false,
-        domain: input.domain.clone(),
-        unit: input.unit.clone(),
-        span: input.span,
-    });
+    let inputs = machine.plant.iter().map(PlantInput::variable);
     let outputs = visible.iter().map(|item| {
         let (name, domain, unit, span) = match item {
             VisibleItem::OfContract(v) => {
