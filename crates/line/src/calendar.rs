@@ -104,9 +104,9 @@ impl<E: Copy> Calendar<E> {
         Some((time_of(key), event))
     }
 
-    /// The next event.
+    /// The next event, which stays.
     #[inline]
-    pub fn next(&self) -> Option<E> {
+    pub fn peek(&self) -> Option<E> {
         self.events[first_slot(self.order)]
     }
 

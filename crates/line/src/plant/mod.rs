@@ -512,7 +512,7 @@ impl<'a> Run<'a> {
     /// it deals with this event.
     #[inline]
     fn fetch_next(&self) {
-        if let Some(Event::Station(node, _)) = self.calendar.next()
+        if let Some(Event::Station(node, _)) = self.calendar.peek()
             && let Place::Station(station) = &self.nodes[node as usize].place
         {
             std::hint::black_box(station.part);
