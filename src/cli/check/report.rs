@@ -28,6 +28,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns the page. It is the same for the same result.
 pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>) -> String {
+    let main = main(assembly, document, of);
+    let terms = terms_in(&main);
     // First what was asked about: a line stands before its machines, and these before their
     // contracts.
     let sections = [
@@ -36,12 +38,11 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
         ("machines", "Machines", !document.machines.is_empty()),
         ("skills", "Skills", !document.skills.is_empty()),
         ("contracts", "Contracts", !document.contracts.is_empty()),
-        (terms::LINK.0, terms::LINK.1, true),
+        (terms::LINK.0, terms::LINK.1, !terms.0.is_empty()),
         ("model", "Files", true),
     ];
     let shown = sections.iter().filter(|(.., is_there)| *is_there);
     let title = title(document);
-    let main = main(assembly, document, of);
     let body = html! {
         header {
             h1 { (title) }
@@ -51,7 +52,7 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
         }
         main {
             (main)
-            (terms_in(&main))
+            (terms)
             // The findings are with what they are about.
             (origin("Files", &Origin { findings: &[], ..*of }, &[], &html! {}))
         }

@@ -39,13 +39,6 @@ pub fn page(page: &Page<'_>) -> String {
         Owner::Environment => ("plant", "controller"),
         Owner::System => ("machine", "counterstrategy"),
     };
-    let sections = [
-        ("steps", "Steps"),
-        ("commands", "Commands"),
-        ("contract", "Contract"),
-        terms::LINK,
-        ("model", "Files"),
-    ];
     let main = html! {
         dl.tiles {
             (tile("Steps", &parts::figures(page.plays.iter().map(|steps| steps.len()).sum()), &in_plays(page)))
@@ -66,16 +59,25 @@ pub fn page(page: &Page<'_>) -> String {
             (of_contract::rules(&page.contract.specification, page.definitions, page.origin.sources, Rank::Section))
         }))
     };
+    let terms = terms::terms(&html! { (of_contract::description(page.contract)) (main) });
+    let sections = [
+        ("steps", "Steps", true),
+        ("commands", "Commands", true),
+        ("contract", "Contract", true),
+        (terms::LINK.0, terms::LINK.1, !terms.0.is_empty()),
+        ("model", "Files", true),
+    ];
+    let shown = sections.iter().filter(|(.., is_there)| *is_there);
     let body = html! {
         header {
             h1 { (title) }
             (of_contract::description(page.contract))
             p { (page.player) " played the " (person) " against the " (other) "." }
-            (links(sections))
+            (links(shown.map(|(id, name, _)| (*id, *name))))
         }
         main {
             (main)
-            (terms::terms(&html! { (of_contract::description(page.contract)) (main) }))
+            (terms)
             (parts::origin("Files", &page.origin, &[], &html! {}))
         }
     };

@@ -70,14 +70,6 @@ pub fn page(page: &Page<'_>) -> String {
     };
     let title = format!("{what} of {}", contract.name);
     let machine = opponent.machine();
-    let sections = [
-        ("walk", "Walk", true),
-        ("states", "States", machine.is_some()),
-        ("contract", "Contract", true),
-        (terms::LINK.0, terms::LINK.1, true),
-        ("model", "Files", true),
-    ];
-    let shown = sections.iter().filter(|(.., is_there)| *is_there);
     let main = html! {
         (tiles(opponent))
         (section("walk", "Walk", &walk(opponent, reader)))
@@ -88,6 +80,15 @@ pub fn page(page: &Page<'_>) -> String {
             (of_contract::rules(&contract.specification, page.definitions, page.origin.sources, Rank::Section))
         }))
     };
+    let terms = terms::terms(&html! { (of_contract::description(contract)) (main) });
+    let sections = [
+        ("walk", "Walk", true),
+        ("states", "States", machine.is_some()),
+        ("contract", "Contract", true),
+        (terms::LINK.0, terms::LINK.1, !terms.0.is_empty()),
+        ("model", "Files", true),
+    ];
+    let shown = sections.iter().filter(|(.., is_there)| *is_there);
     let body = html! {
         header {
             h1 { (title) }
@@ -96,7 +97,7 @@ pub fn page(page: &Page<'_>) -> String {
         }
         main {
             (main)
-            (terms::terms(&html! { (of_contract::description(contract)) (main) }))
+            (terms)
             (parts::origin("Files", &page.origin, &[], &html! {}))
         }
     };

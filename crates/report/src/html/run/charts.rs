@@ -191,8 +191,9 @@ pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option
         path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
         (frame.grid("over"))
         @if let Some(capacity) = capacity {
-            line.halo x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {}
-            line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(number(frame.y(f64::from(capacity)))) y2=(number(frame.y(f64::from(capacity)))) {
+            @let y = number(frame.y(f64::from(capacity)));
+            line.halo x1=(axis.left) x2=(WIDTH - RIGHT) y1=(y) y2=(y) {}
+            line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(y) y2=(y) {
                 title { "Capacity: " (capacity) }
             }
         }
