@@ -199,7 +199,7 @@ impl Writer<'_> {
             _ if of_order => {
                 "let the station perform other operations, or the same ones in another order; or weaken the rule that forbids this".to_owned()
             }
-            _ => "keep such parts away by a route with a condition, change the machine's `abstract` that turns their properties into inputs, or weaken the assumption"
+            _ => "keep such parts away by a route with a condition, change the machine's `abstract`, which computes inputs from their properties, or weaken the assumption"
                 .to_owned(),
         }
     }
