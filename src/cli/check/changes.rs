@@ -21,8 +21,10 @@ pub(super) fn section(contract: &Contract, advice: &Advice, entry: &ContractEntr
         ),
         (Change::Weaken, "Require less: one of these is enough"),
     ];
+    let has_shares = entry.suggestions.iter().any(|of| of.cost.contains('%'));
     html! {
         h4 { "Changes that would make it realizable" }
+        @if has_shares { p { "Combinations of values are those of all signals in one step and in the next. All of them count equally, however often the plant would do them." } }
         @for (kind, heading) in kinds { @if of_kind(kind).next().is_some() {
             h5 { (heading) }
             (table_of("Changes", &["In words", "Line to write", "Cost"], &html! {

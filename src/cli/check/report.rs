@@ -4,7 +4,7 @@ use super::assembly::Assembly;
 use super::document::{ContractEntry, Document, LineEntry, MachineEntry, PlayEntry, SkillsEntry};
 use super::table::{Mark, by_severity, in_words, line_verdict, summary_of_verdicts, term};
 use super::{changes, explained, flow, grounds};
-use crate::contract::line::Line;
+use crate::contract::line::{Line, NodeKind, Supply};
 use crate::contract::machine::{Component, Machine};
 use crate::contract::{Contract, Definition, picture as machine_picture};
 use crate::diagnostics::codes;
@@ -486,6 +486,10 @@ fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
     if discharges.is_empty() {
         return html! {};
     }
+    // Not as formulas: these words would be listed as terms that the page uses.
+    let words = ["always", "never", "responds", "precedes"];
+    let mut formulas = discharges.iter().flat_map(|d| &d.formulas);
+    let has_first = !in_words && formulas.any(|of| !words.iter().any(|w| of.text.contains(w)));
     html! {
         details {
             summary { "How each of " (figures(discharges.len())) " assumptions and guarantees is met (discharged)" }
@@ -496,7 +500,7 @@ fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
                     td { (names(grounds::rests_on(d))) }
                 } }
             }))
-            p { "What the rules say that are named above:" }
+            p { "What the rules say that are named above" @if has_first { " (an assumption or guarantee without \"always\", \"never\", \"responds\" or \"precedes\" is about step 0)" } ":" }
             (table_of("Rules", &["Rule", "What it says"], &html! {
                 @for (name, text) in what_rules_say(discharges) { tr {
                     th scope="row" { (names(&name)) }
@@ -539,7 +543,8 @@ fn argument(discharge: &DischargeEntry) -> String {
         (DischargeRuleName::Environment, _) => "assumed about the environment".to_owned(),
         (DischargeRuleName::Exported, _) => grounds::LEFT_TO_CALLER.to_owned(),
         (DischargeRuleName::Induction, _) => {
-            "holds at the start and from each step to the next (induction)".to_owned()
+            "shown for step 0 and from each step to the next, where the rule applies (induction)"
+                .to_owned()
         }
         (DischargeRuleName::Justice, _) => "happens again and again (justice)".to_owned(),
         (DischargeRuleName::Controllers, _) => {
@@ -574,6 +579,7 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
     let inside = html! {
         @if let Some(known) = known {
             (drawing(&line_picture::to_svg(known, sources), &format!("Places of {} with their routes", entry.name)))
+            (notes(known))
         }
         p { (match entry.proof {
             Some(LineVerdict::Proved) => "It is proved that the line has no deadlock and that every part keeps moving, in every order in which parts can come, whatever the times are.",
@@ -618,6 +624,37 @@ fn line(assembly: &Assembly<'_>, document: &Document, number: usize, entry: &Lin
         &entry.findings,
         &inside,
     )
+}
+
+/// What the words in the drawing of a line mean.
+fn notes(line: &Line) -> Markup {
+    let is_there = |what: fn(&NodeKind) -> bool| line.nodes.iter().any(|node| what(&node.kind));
+    let on_order = |kind: &NodeKind| {
+        matches!(
+            kind,
+            NodeKind::Source {
+                supply: Supply::OnOrder,
+                ..
+            }
+        )
+    };
+    let limited = |kind: &NodeKind| matches!(kind, NodeKind::Source { most: Some(_), .. });
+    let reorders = |kind: &NodeKind| {
+        matches!(
+            kind,
+            NodeKind::Sink {
+                reorder: Some(_),
+                ..
+            }
+        )
+    };
+    html! {
+        @if is_there(on_order) || is_there(limited) || is_there(reorders) { p.hint {
+            @if is_there(on_order) { "On order: the source makes the parts for the number of products that a run is to make; without such a number, or with several end products, it makes parts without end. " }
+            @if is_there(limited) { "At most so many in the line: the source stops while that many parts of its type are in the line, also joined into others. " }
+            @if is_there(reorders) { "Reorders from: for each rejected part, that source has to make a replacement." }
+        } }
+    }
 }
 
 /// Names of the places to and from which no route leads.

@@ -18,7 +18,7 @@ enum Use {
 }
 
 /// Terms with what they mean, in the order of the list.
-const TERMS: [(Use, &str, &str); 28] = [
+const TERMS: [(Use, &str, &str); 32] = [
     (
         Use::Text("plant"),
         "plant",
@@ -32,7 +32,7 @@ const TERMS: [(Use, &str, &str); 28] = [
     (
         Use::Text("induction"),
         "induction",
-        "proof that a rule holds in step 0, and in each step if it held in the step before",
+        "proof step by step: a rule holds in step 0, and in each later step if all rules held before; for a rule about step 0, the first part is enough",
     ),
     (
         Use::Text("justice"),
@@ -43,6 +43,26 @@ const TERMS: [(Use, &str, &str); 28] = [
         Use::Text("discharged"),
         "discharged",
         "an assumption or a guarantee is discharged if the proof shows that it holds",
+    ),
+    (
+        Use::Text("obligation"),
+        "obligation",
+        "what a proof has to show: an assumption of a component, or a guarantee of a contract that a machine refines",
+    ),
+    (
+        Use::Text("refines"),
+        "refines",
+        "a machine refines a contract if its components together keep the guarantees as long as the contract's assumptions hold",
+    ),
+    (
+        Use::Text("environment"),
+        "environment",
+        "everything outside a machine: the plant, and what the line and the machine's file provide",
+    ),
+    (
+        Use::Text("caller"),
+        "caller",
+        "a station of a line that asks a machine for an operation (a call); the check of a line examines all its calls: one that breaks a rule is a finding, and what could not be examined is listed as not decided",
     ),
     (
         Use::Text("composition"),
