@@ -34,7 +34,10 @@ pub struct Page<'a> {
 /// Returns the page. It is the same for the same play.
 pub fn page(page: &Page<'_>) -> String {
     let name = &page.contract.name;
-    let title = format!("A play of {name}");
+    let title = match page.plays.len() {
+        0 | 1 => format!("A play of {name}"),
+        plays => format!("{plays} plays of {name}"),
+    };
     let (person, other) = match page.person {
         Owner::Environment => ("plant", "controller"),
         Owner::System => ("machine", "counterstrategy"),
@@ -42,7 +45,7 @@ pub fn page(page: &Page<'_>) -> String {
     let main = html! {
         dl.tiles {
             (tile("Steps", &parts::figures(page.plays.iter().map(|steps| steps.len()).sum()), &in_plays(page)))
-            (tile("Commands", &parts::figures(page.commands.len()), "moves and all others"))
+            (tile("Commands", &parts::figures(page.commands.len()), "moves, and commands such as expect, undo and reset"))
         }
         @if let Some(over) = page.over { div.finding { pre tabindex="0" { (over.trim_end()) } } }
         (section("steps", "Steps", &steps(page)))
@@ -198,6 +201,7 @@ mod tests {
         for wanted in [
             "The script lamp.txt played the plant against the controller.",
             "<dd>5</dd><dd class=\"note\">in 2 plays of 3 and 2 steps</dd>",
+            "<h1>2 plays of Lamp</h1>",
             "<h3>Play 1</h3>",
             "<h3>Play 2</h3>",
         ] {
