@@ -34,17 +34,28 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
         @if trace.violation_count > 0 { p.hint { "Red below the slider: the violations. Those that are close together are one bar." } }
         div.scroll.picture tabindex="0" role="group" aria-label="Picture" { (picture.draw(page.line, page.recorder)) }
         p #status role="status" { "Point at a place, or move the focus to it, to see what it does." }
-        (legend())
+        (frames())
         (parts_legend(page, &html! {
             li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "on an arrow: a part that has just moved" }
         }))
-        p.hint { "A part goes from place to place in no time, so every part is drawn in a place. The figure in a place counts the parts there. In a sink it counts the parts taken so far, in a source the parts delivered; a store has both, \"in\" and \"out\". Of more than 14 parts, some are drawn, and a number such as +3 stands for the others. While the run plays, a copy on the arrow shows the way of a part that has just moved. Parts are numbered in the order in which they were made, over all types." }
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place. The figure at the bottom of a place counts all parts there; a station with less than two has none. In a sink it counts the parts taken so far, in a source the parts delivered; a store has both, \"in\" and \"out\". Of more than 14 parts in a place, 10 are drawn, and a number such as +5 stands for the others; a conveyor shows all. While the run plays, a copy on the arrow shows the way of a part that has just moved. Parts are numbered in the order in which they were made, over all types." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())
         } }
     };
     section_of_first(page, "line-section", "The line", &inside)
+}
+
+/// The legend of the frames by which the picture shows the states of stations.
+fn frames() -> Markup {
+    html! {
+        ul.legend aria-label="Frames of stations" {
+            @for (state, name) in STATES {
+                li { svg.key.long viewBox="0 0 28 16" aria-hidden="true" { rect.frame.(state_class(state)) x="2" y="2" width="24" height="12" {} } (name) }
+            }
+        }
+    }
 }
 
 /// Patterns by which states can be distinguished without colours.
@@ -221,6 +232,8 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
             (table(&of_times, &times))
             (table(&of_work, &work))
             @if is_uncontrolled { p.hint { "A station without a machine is given by its times in the model: it has no contract, and no controller." } }
+            @if stations.iter().any(|of| of.work_time.is_none() || of.oee.is_none()) { p.hint { "There is a dash if the station finished no work, or if its work takes no time." } }
+            p.hint { (OF_OEE) }
             p.hint { "Scrapped are the parts that were rejected because of the station. " (CHARGED) " A part on which no station has worked counts at none." @if has_refused { " Refused are the parts that came to the station and were taken out there at once, because its contract does not allow them." } }
         }
         @if !waits.is_empty() {
@@ -235,6 +248,9 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
     };
     section_of_first(page, "stations", "Where the time goes", &inside)
 }
+
+/// What the columns of the OEE are.
+const OF_OEE: &str = "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time divided by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the completed work, divided by the time that the station was busy. It is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good.";
 
 /// At which station a rejected part counts.
 const CHARGED: &str = "A rejected part counts at the station that made it defective, or else at the last one that worked on it.";
@@ -287,8 +303,25 @@ fn losses(page: &Page<'_>) -> Markup {
     html! {
         p { "The time of " (station.name) " by state" @if has_time_off { "; the bottleneck is judged by shares of the time on shift" } ":" }
         (table(&headings, &rows.collect::<Vec<_>>()))
-        p.hint { "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time divided by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the completed work, divided by the time that the station was busy. It is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good. " (CHARGED) }
     }
+}
+
+/// What stations do at the end of a shift; `None` if there are no shifts.
+fn at_the_end_of_shifts(page: &Page<'_>) -> Option<&'static str> {
+    let line = page.line;
+    let calendars = (0..line.nodes.len()).filter_map(|node| line.calendar_of(node));
+    let shifts = calendars.flat_map(|calendar| &calendar.shifts);
+    let finish: Vec<bool> = shifts.map(|shift| shift.finishes_work).collect();
+    if finish.is_empty() {
+        return None;
+    }
+    Some(if finish.iter().all(|finishes| *finishes) {
+        "When a shift or the work before a break ends, a station finishes the part that it has begun; until then it is busy. Conveyors and buffers go on, so parts can still arrive off shift."
+    } else if finish.iter().any(|finishes| *finishes) {
+        "When a shift or the work before a break ends, a station finishes the part that it has begun, if the shift is declared with finish work; until then it is busy. Otherwise the work goes on in the next shift. Conveyors and buffers go on, so parts can still arrive off shift."
+    } else {
+        "When a shift or the work before a break ends, the work on a part is interrupted; it goes on in the next shift. Conveyors and buffers go on, so parts can still arrive off shift."
+    })
 }
 
 pub(super) fn timeline(page: &Page<'_>) -> Markup {
@@ -303,6 +336,7 @@ pub(super) fn timeline(page: &Page<'_>) -> Markup {
     });
     let has_refusals = page.recorder.refusals.iter().any(|times| !times.is_empty());
     let inside = html! {
+        @if let Some(sentence) = at_the_end_of_shifts(page) { p { (sentence) } }
         p { "Drag to move, turn the wheel or press + and − to zoom, 0 to see all. A click sets the time of the picture above. Where states are too short to be seen, the height of each color is its share." }
         @if let Some((end, width)) = later {
             p { "From " (end) " on, there were too many changes: the rows show the shares of the states in each " (width) "." }

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::html::numbers::{count, figure, percent};
 use crate::html::parts::{behind, table};
-use linewright_language::contract::line::NodeKind;
+use linewright_language::contract::line::{NodeKind, declared_name};
 use linewright_line::log::Activity;
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{Yields, duration_in_units};
@@ -260,11 +260,13 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
     let mut headings = vec!["Place"];
     headings.extend(STATES.map(|(_, name)| name));
     headings.push("all, kWh");
+    let is_conveyor = |node: usize| matches!(page.line.nodes[node].kind, NodeKind::Conveyor { .. });
+    let has_conveyors = nodes.iter().any(|(node, _)| is_conveyor(*node));
     let unpowered = unpowered(page);
     let (watts, width) = recorder.power();
     let kilowatts: Vec<f64> = watts.iter().map(|watts| watts / 1000.0).collect();
     let inside = html! {
-        p { "Energy of each place by its state." }
+        p { "Energy of each place by its state." @if has_conveyors { " All energy of a conveyor is shown as busy: its power while a part moves on it, and its idle power while it stands still." } }
         (charts::bars("Energy of each place by its state", &bars, most))
         (legend())
         (behind(&headings, &rows))
@@ -413,9 +415,13 @@ fn yields(page: &Page<'_>) -> Markup {
         "First-pass yield",
         "Scrap",
     ];
+    let nodes = &page.line.nodes;
+    let has_copies = nodes
+        .iter()
+        .any(|node| declared_name(&node.name) != node.name);
     html! {
         h3 { "First-pass yield" }
-        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Rework: a station began to work on the part for the second time. Stations of one declaration, which work in parallel, count as one station. A joined part is a new part: what a station does to it is no rework, even if the same station has worked on a part in it before. If it is reworked itself, so are all parts in it. The yield is the share of the parts without rework in all that finished or were scrapped. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
+        p { "Counted are the parts on which a station worked. A joined part counts as the parts in it on which stations worked before they were joined; parts that were only bought and joined do not count. Rework: a station began to work on the part for the second time." @if has_copies { " The copies of a station that is declared with " code { "times" } ", such as " code { "name[1]" } " and " code { "name[2]" } ", count as one station." } " A joined part is a new part: what a station does to it is no rework, even if the same station has worked on a part in it before. If it is reworked itself, so are all parts in it. The yield is the share of the parts without rework in all that finished or were scrapped. Scrap is the share of the scrapped parts in the same total. A type that is no product leaves the line as scrap only, so it has no yield of its own." }
         (table(&headings, &rows))
     }
 }
