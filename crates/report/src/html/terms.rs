@@ -57,7 +57,7 @@ const TERMS: [(Use, &str, &str); 32] = [
     (
         Use::Text("environment"),
         "environment",
-        "everything outside a machine: the plant, and what the line and the machine's file provide",
+        "everything outside a machine: its plant and its callers",
     ),
     (
         Use::Text("caller"),
