@@ -2,9 +2,9 @@
 //! exists, and collects statistics.
 //!
 //! Small games are solved on biodivine's kernel, which takes no time to start. A game that has more
-//! than [`SMALL_PAIRS`] pairs of bits, or exceeds [`SMALL_NODES`] or [`SMALL_CREATED`] there, is
-//! solved on the kernel with a shared store. The choice depends only on the specification, so that
-//! the same input always gives the same machine.
+//! than [`SMALL_PAIRS`] pairs of bits, or exceeds [`SMALL_NODES`] there, is solved on the kernel
+//! with a shared store. The choice depends only on the specification, so that the same input always
+//! gives the same machine.
 
 use super::arena::{Arena, Formulas, initial_order, oriented_order};
 use super::attack::{self, Attack, Play, PlayEnd};
@@ -34,12 +34,9 @@ use std::time::Instant;
 /// Maximum number of bit pairs of a small game.
 const SMALL_PAIRS: usize = 48;
 
-/// Maximum number of nodes that exist at the same time in a small game.
-const SMALL_NODES: u64 = 13_000;
-
-/// Maximum number of nodes created in total in a small game; creating them takes about a hundredth
-/// of a second.
-const SMALL_CREATED: u64 = 50_000;
+/// Maximum number of nodes created in total in a small game; creating them takes about a
+/// millisecond.
+const SMALL_NODES: u64 = 5_000;
 
 /// Peak number of nodes above which a game is large.
 const LARGE_NODES: u64 = 100_000;
@@ -309,7 +306,7 @@ fn small_limits(order: &Order, options: &Options) -> Option<Limits> {
         KernelChoice::Automatic if order.pairs().len() > SMALL_PAIRS => None,
         KernelChoice::Automatic => Some(Limits {
             max_nodes: Some(SMALL_NODES),
-            max_created: Some(SMALL_CREATED),
+            max_created: Some(SMALL_NODES),
             ..options.limits
         }),
     }
