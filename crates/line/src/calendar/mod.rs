@@ -214,6 +214,12 @@ impl<E: Copy> Calendar<E> {
         {
             self.begin_year(now);
         }
+        if !self.year.has_begun() {
+            for _ in 0..NEAR / 2 {
+                self.bring();
+            }
+            return;
+        }
         let Some(day) = self.year.next_day() else {
             return self.bring_first(u64::MAX);
         };
@@ -242,12 +248,19 @@ impl<E: Copy> Calendar<E> {
             if let Some(first) = self.heap.first()
                 && let first = self.year.day_of(first.key)
                 && first <= day
-                && let Some(Entry { key, event }) = self.pop()
             {
                 self.year.advance(first);
-                self.insert(key, event);
-                self.near += 1;
+                self.bring();
             }
+        }
+    }
+
+    /// Makes the first event of the heap a near one, if there is one.
+    #[inline]
+    fn bring(&mut self) {
+        if let Some(Entry { key, event }) = self.pop() {
+            self.insert(key, event);
+            self.near += 1;
         }
     }
 

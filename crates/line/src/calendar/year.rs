@@ -57,6 +57,9 @@ const MAX_EVENTS_A_DAY: u64 = 8;
 /// Minimum number of days to ask for before the length of a day is examined.
 const MIN_INTERVAL: usize = 256;
 
+/// The same after examinations that were in vain.
+const MAX_INTERVAL: usize = 1 << 14;
+
 impl<E: Copy> Year<E> {
     pub(super) fn new() -> Self {
         Self {
@@ -200,8 +203,8 @@ impl<E: Copy> Year<E> {
             self.interval = MIN_INTERVAL;
             return false;
         }
-        self.interval = self.interval.saturating_mul(2);
-        others >= MIN_EVENTS
+        self.interval = (2 * self.interval).min(MAX_INTERVAL);
+        self.has_begun() || others >= MIN_EVENTS
     }
 
     /// Removes all events, and adds them to `entries`. Ends the year.
@@ -219,12 +222,16 @@ impl<E: Copy> Year<E> {
     }
 
     /// Begins a year that fits these events, after which `entries` has those that are not noted.
-    /// No event is noted if most happen at the same instants. `now` is the current time in seconds.
+    /// The year does not begin if there are few events, or if most happen at the same instants. `now`
+    /// is the current time in seconds.
     pub(super) fn begin(&mut self, entries: &mut Vec<Entry<E>>, now: f64) {
+        if entries.len() < MIN_EVENTS {
+            return;
+        }
         let quarter = entries.len() / 4;
         let (_, last, _) = entries.select_nth_unstable_by_key(quarter, |entry| entry.key);
         let rate = quarter as f64 / (time_of(last.key) - now) / EVENTS_A_DAY;
-        if !rate.is_finite() {
+        if !(rate.is_finite() && rate > 0.0) {
             return;
         }
         let days = entries.len().next_power_of_two().max(64);
