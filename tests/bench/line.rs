@@ -3,7 +3,8 @@
 //!
 //! Every row is a process of its own. Its processor time is that beyond a run of one part, so that
 //! the start of the process and the building of libraries do not count; its memory is the peak. The
-//! rows take turns, and each figure is a median. A peer that is missing is skipped: `SimPy` is a
+//! rows take turns, and each figure is a median; the two rows by which lines of different size are
+//! compared follow one another, and their ratio is that of the same round. A peer that is missing is skipped: `SimPy` is a
 //! package of the Python that `LINEWRIGHT_PYTHON` names, and `NeXosim` is built by cargo from
 //! `peers/line/nexosim`.
 //!
@@ -51,7 +52,7 @@ mod rows {
     pub const CONTROLLERS: &str = "--controllers";
 
     /// Number of measurements of each row.
-    const ROUNDS: usize = 5;
+    const ROUNDS: usize = 9;
 
     /// A row of the table.
     struct Row {
@@ -161,6 +162,12 @@ machine Press {
         };
         let mut rows = vec![
             row("stations by times", five.clone(), 1_000_000, true),
+            row(
+                "1000 stations by times",
+                program("thousand.lw", &line(1000, TIMES, "")),
+                2_000,
+                true,
+            ),
             row("stations by times, fewer parts", five, 100_000, true),
             row(
                 "controllers that draw the time",
@@ -175,12 +182,6 @@ machine Press {
                     &line(5, ": Press { perform press on Part }", MACHINE),
                 ),
                 300_000,
-                true,
-            ),
-            row(
-                "1000 stations by times",
-                program("thousand.lw", &line(1000, TIMES, "")),
-                2_000,
                 true,
             ),
         ];
@@ -305,7 +306,11 @@ machine Press {
                 row.name, row.parts
             );
             speeds.push((row.name, speed));
-            of_events.push((row.name, event));
+            let of_rounds: Vec<f64> = costs
+                .iter()
+                .filter_map(|cost| Some(cost.seconds / cost.events?))
+                .collect();
+            of_events.push((row.name, of_rounds));
         }
         let first = speeds[0].1;
         let ratios: Vec<String> = speeds
@@ -317,12 +322,19 @@ machine Press {
             println!("\nStations by times are {}.", ratios.join(" and "));
         }
         let of = |wanted: &str| of_events.iter().find(|(name, _)| *name == wanted);
-        if let (Some((_, Some(five))), Some((_, Some(thousand)))) =
+        if let (Some((_, five)), Some((_, thousand))) =
             (of("stations by times"), of("1000 stations by times"))
+            && !five.is_empty()
+            && five.len() == thousand.len()
         {
+            let rounds = thousand.iter().zip(five);
+            let mut ratios: Vec<f64> = rounds.map(|(thousand, five)| thousand / five).collect();
+            ratios.sort_by(f64::total_cmp);
             println!(
-                "An event of 1000 stations costs {:.2} times one of five.",
-                thousand / five
+                "An event of 1000 stations costs {:.2} times one of five ({:.2} to {:.2} in {ROUNDS} rounds).",
+                median(ratios.clone()),
+                ratios[0],
+                ratios[ratios.len() - 1]
             );
         }
         ExitCode::SUCCESS
