@@ -159,11 +159,7 @@ fn wire_variable(machine: &Machine, wire: usize) -> Variable {
     if let Some(input) = machine.plant.get(wire) {
         return Variable {
             name,
-            owner: Owner::Environment,
-            internal: false,
-            domain: input.domain.clone(),
-            unit: input.unit.clone(),
-            span: input.span,
+            ..input.variable()
         };
     }
     let mut outputs = machine.components.iter().flat_map(|c| {

@@ -217,7 +217,7 @@ pub struct PlantInput {
 
 impl PlantInput {
     /// The wire as an input of a specification.
-    pub(super) fn variable(&self) -> Variable {
+    pub fn variable(&self) -> Variable {
         Variable {
             name: self.name.clone(),
             owner: Owner::Environment,
