@@ -308,7 +308,7 @@ fn verdict_on_contract(
     let advice = explanation.and_then(|e| e.advice.as_ref());
     html! {
         @if let Some(states) = entry.states {
-            p { "A controller with " (count(states, "state")) " keeps all guarantees as long as the plant keeps the assumptions; it was verified." }
+            p { "A controller with " (count(states, "state")) ", not counting the start before step 0, keeps all guarantees as long as the plant keeps the assumptions; it was verified." }
         }
         @if entry.verdict_only {
             p { "Only the verdict was computed, because the contract is large." }
@@ -490,6 +490,8 @@ fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
     let words = ["always", "never", "responds", "precedes"];
     let mut formulas = discharges.iter().flat_map(|d| &d.formulas);
     let has_first = !in_words && formulas.any(|of| !words.iter().any(|w| of.text.contains(w)));
+    let mut formulas = discharges.iter().flat_map(|d| &d.formulas);
+    let has_facts = formulas.any(|of| is_fact(&of.name));
     html! {
         details {
             summary { "How each of " (figures(discharges.len())) " assumptions and guarantees is met (discharged)" }
@@ -501,6 +503,7 @@ fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
                 } }
             }))
             p { "What the rules say that are named above" @if has_first { " (an assumption or guarantee without \"always\", \"never\", \"responds\" or \"precedes\" is about step 0)" } ":" }
+            @if has_facts { p.hint { "Rules named \"signal ...\", \"... is held\" and \"... is known\" say how the machine's file declares inputs. They hold in every step and are no premises: the station library gives its components these inputs." } }
             (table_of("Rules", &["Rule", "What it says"], &html! {
                 @for (name, text) in what_rules_say(discharges) { tr {
                     th scope="row" { (names(&name)) }
@@ -509,6 +512,11 @@ fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
             }))
         }
     }
+}
+
+/// Whether a rule of this name is a fact that the machine's file declares.
+fn is_fact(name: &str) -> bool {
+    name.starts_with("signal ") || name.ends_with(" is held") || name.ends_with(" is known")
 }
 
 /// The rules that are named in discharges, with their texts. The name of the owner is left out if

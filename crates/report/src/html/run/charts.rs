@@ -191,13 +191,13 @@ pub(super) fn curve(label: &str, curve: &Curve, axis: TimeAxis, capacity: Option
         path.area d=(format!("M{left:.1} {bottom:.1}{area}L{right:.1} {bottom:.1}Z")) {}
         (frame.grid("over"))
         @if let Some(capacity) = capacity {
-            @let y = number(frame.y(f64::from(capacity)));
+            // Just above its value, where the area of a full buffer ends.
+            @let y = number(frame.y(f64::from(capacity)) - 2.0);
             line.halo x1=(axis.left) x2=(WIDTH - RIGHT) y1=(y) y2=(y) {}
             line.capacity x1=(axis.left) x2=(WIDTH - RIGHT) y1=(y) y2=(y) {
                 title { "Capacity: " (capacity) }
             }
         }
-        // Above the capacity: a full buffer is at both.
         path.line d=(format!("M{}", &mean[1..])) {}
     };
     frame.draw(label, axis.warm_up, &inside)
@@ -336,14 +336,15 @@ pub(super) struct Range {
 
 /// Intervals, one below the other, on one scale: percent of the base of each.
 pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
-    /// Room for an interval and its text, and more for the dots above them.
+    /// Room for an interval and its text.
     const ROW: f64 = 44.0;
-    const DOTS: f64 = 12.0;
-    let above = if ranges.iter().any(|range| !range.values.is_empty()) {
-        DOTS
-    } else {
-        0.0
-    };
+    /// Room for a row of dots above an interval.
+    const DOTS: f64 = 5.0;
+    /// Maximum number of rows of dots, so that few dots lie on one another.
+    const MAX_ROWS: usize = 8;
+    let dots = ranges.iter().map(|range| range.values.len()).max();
+    let rows = dots.unwrap_or(0).min(MAX_ROWS);
+    let above = DOTS * rows.saturating_sub(1) as f64;
     let lengths = ranges.iter().map(|range| range.name.chars().count());
     let names = (lengths.max().unwrap_or(0) as f64 * 6.6 + 16.0).clamp(210.0, 400.0);
     let bottom = ranges.len() as f64 * (ROW + above) + 4.0;
@@ -361,9 +362,13 @@ pub(super) fn ranges(label: &str, ranges: &[Range]) -> Markup {
                 text.name x=(names) y=(y + 4.0) text-anchor="end" { (range.name) }
                 line.interval x1=(number(scale.x(range.low))) x2=(number(scale.x(range.high))) y1=(y) y2=(y) {}
                 @for (index, value) in range.values.iter().enumerate() {
-                    circle.run cx=(number(scale.x(*value))) cy=(number(y - 9.0 - 5.0 * (index % 4) as f64)) r="2.5" {}
+                    circle.run cx=(number(scale.x(*value))) cy=(number(y - 11.0 - DOTS * (index % MAX_ROWS) as f64)) r="2.5" {}
                 }
-                circle.mean cx=(number(scale.x(range.mean))) cy=(y) r="5" {}
+                circle.mean cx=(number(scale.x(range.mean))) cy=(y) r="4" {}
+                // A short interval is seen by its ends, which are longer than the dot.
+                @for end in [range.low, range.high] {
+                    line.end x1=(number(scale.x(end))) x2=(number(scale.x(end))) y1=(y - 7.0) y2=(y + 7.0) {}
+                }
                 text x=(number(scale.x(range.mean))) y=(y + 20.0) text-anchor="middle" { (range.text) }
             }
         }

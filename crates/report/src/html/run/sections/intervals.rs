@@ -105,11 +105,11 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
     let heading = heading_of(intervals);
     let about = match intervals {
         Intervals::Replications(runs) => format!(
-            "Means of {} runs with 95 % confidence intervals, in percent of each mean. Each small dot is a run; its height has no meaning.",
+            "Means of {} runs with 95 % confidence intervals, in percent of each mean. The thin upright lines are the ends of an interval. Each small dot is a run; its height has no meaning.",
             runs.seeds.len()
         ),
         Intervals::Batches(batches) => format!(
-            "Means of {} batches of the run with 95 % confidence intervals, in percent of each mean.",
+            "Means of {} batches of the run with 95 % confidence intervals, in percent of each mean. The thin upright lines are the ends of an interval.",
             batches.count
         ),
     };
@@ -197,7 +197,7 @@ pub(super) fn comparison(page: &Page<'_>) -> Markup {
             @if variants.len() > 1 { strong { (compared.variant.label()) } ": what" } @else { "What" }
             " if " (changes(compared.variant)) "?"
         } }
-        p { "All lines were run with the same random seeds. The chart shows the differences in percent of the line as it is, with their paired 95 % confidence intervals." }
+        p { "All lines were run with the same random seeds. The chart shows the differences in percent of the line as it is, with their paired 95 % confidence intervals. The thin upright lines are the ends of an interval." }
         (charts::ranges("Differences", &ranges))
         (table(&["Measure", "Line", "Mean", "Difference from the line as it is", "More than noise"], &rows))
         h3 { "Where the time goes, as it is" (of_first_run) }
