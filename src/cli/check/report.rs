@@ -432,7 +432,7 @@ fn machine(
                     ClosedVerdict::Open => "some obligation is undecided, because a component is represented by its contract",
                     ClosedVerdict::GaveUp => "the obligations were not decided within the limits",
                 })
-                @if let Some(states) = closed.states { "; their composition has " (figure(states as f64)) " reachable states" }
+                @if let Some(states) = closed.states { "; their composition has " (figure(states as f64)) " reachable states (combinations of the values of all signals, the states of the controllers and the progress of the operation)" }
                 "."
             }
         }
@@ -503,7 +503,7 @@ fn discharges(discharges: &[DischargeEntry], in_words: bool) -> Markup {
                 } }
             }))
             p { "What the rules say that are named above" @if has_first { " (an assumption or guarantee without \"always\", \"never\", \"responds\" or \"precedes\" is about step 0)" } ":" }
-            @if has_facts { p.hint { "Rules named \"signal ...\", \"... is held\" and \"... is known\" say how the machine's file declares inputs. They hold in every step and are no premises: the station library gives its components these inputs." } }
+            @if has_facts { p.hint { "Rules named \"signal ...\", \"... is held\" and \"... is known\" are declared in the machine's file: they say what the inputs from the plant, the part and the operation do, in every step. An assumption that follows from these rules alone is listed as assumed about the environment." } }
             (table_of("Rules", &["Rule", "What it says"], &html! {
                 @for (name, text) in what_rules_say(discharges) { tr {
                     th scope="row" { (names(&name)) }

@@ -38,7 +38,7 @@ pub(super) fn animation(page: &Page<'_>, picture: &Picture) -> Markup {
         (parts_legend(page, &html! {
             li { svg.key viewBox="-8 -8 16 16" aria-hidden="true" { g.moving { (part_shape(0)) } } "on an arrow: a part that has just moved" }
         }))
-        p.hint { "A part goes from place to place in no time, so every part is drawn in a place. The figure at the bottom of a place counts all parts there; a station with less than two has none. In a sink it counts the parts taken so far, in a source the parts delivered; a store has both, \"in\" and \"out\". Of more than 14 parts in a place, 10 are drawn, and a number such as +5 stands for the others; a conveyor shows all. While the run plays, a copy on the arrow shows the way of a part that has just moved. Parts are numbered in the order in which they were made, over all types." }
+        p.hint { "A part goes from place to place in no time, so every part is drawn in a place. The figure at the bottom of a place counts all parts there; a station with fewer than two parts shows none. In a sink it counts the parts taken so far, in a source the parts delivered; a store has both, \"in\" and \"out\". Of more than 14 parts in a place, 10 are drawn, and a number such as +5 stands for the others; a conveyor shows all. While the run plays, a copy on the arrow shows the way of a part that has just moved. Parts are numbered in the order in which they were made, over all types." }
         svg width="0" height="0" aria-hidden="true" { defs {
             @for index in 0..page.line.parts.len() { g id=(format!("part{index}")) { (part_shape(index)) } }
             (patterns())
@@ -250,7 +250,7 @@ pub(super) fn stations(page: &Page<'_>) -> Markup {
 }
 
 /// What the columns of the OEE are.
-const OF_OEE: &str = "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time divided by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the planned time of the completed work, divided by the time that the station was busy. It is less than 100 % if work began again after failures. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good.";
+const OF_OEE: &str = "OEE is the product of availability, effectiveness and quality. Availability is that of ISO 22400-2: actual production time divided by planned busy time, that is, the busy share of the time on shift. So setup, failures, starving and blocking lower it. It is not the technical availability, which only failures lower. Effectiveness is the share of the busy time that was not lost; work is lost if it begins again after a failure. Quality is the share of a station's parts that were not rejected because of it; a part that had to be reworked counts as good.";
 
 /// At which station a rejected part counts.
 const CHARGED: &str = "A rejected part counts at the station that made it defective, or else at the last one that worked on it.";
