@@ -3,10 +3,10 @@
 //!
 //! Every row is a process of its own. Its processor time is that beyond a run of one part, so that
 //! the start of the process and the building of libraries do not count; its memory is the peak. The
-//! rows take turns, and each figure is a median; the two rows by which lines of different size are
-//! compared follow one another, and their ratio is that of the same round. A peer that is missing is skipped: `SimPy` is a
-//! package of the Python that `LINEWRIGHT_PYTHON` names, and `NeXosim` is built by cargo from
-//! `peers/line/nexosim`.
+//! rows take turns, and each figure is a median. The two rows by which lines of different size are
+//! compared follow one another, and their ratio is that of the same round. A peer that is missing
+//! is skipped: `SimPy` is a package of the Python that `LINEWRIGHT_PYTHON` names, and `NeXosim` is
+//! built by cargo from `peers/line/nexosim`.
 //!
 //!     cargo bench --bench line
 

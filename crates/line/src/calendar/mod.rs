@@ -11,10 +11,10 @@
 //! event gets its place in this order by comparisons whose results no branch depends on: when an
 //! event happens cannot be predicted, so branches would often be mispredicted.
 //!
-//! The later events lie in a heap, whose way down has no such branches either. In a large line, most
-//! of them lie in a `Year` instead, and come to the array a day at a time. Then only the events of
-//! a crowded day and those after the end of the year are in the heap. So an event takes constant
-//! time on average if the events are spread over time, and logarithmic time at most.
+//! The later events lie in a heap, whose way down has no such branches either. In a large line,
+//! most of them lie in a `Year` instead, and come to the array a day at a time. Then only the
+//! events of a crowded day and those after the end of the year are in the heap. So an event takes
+//! constant time on average if the events are spread over time, and logarithmic time at most.
 
 mod year;
 
@@ -203,8 +203,8 @@ impl<E: Copy> Calendar<E> {
         }
     }
 
-    /// Makes the first of the other events near ones, when there are no near ones. `now` is the time
-    /// of the event that was taken last.
+    /// Makes the first of the other events near ones, when there are no near ones. `now` is the
+    /// time of the event that was taken last.
     #[inline(never)]
     fn bring_near(&mut self, now: f64) {
         let others = self.others();

@@ -2,8 +2,8 @@
 //!
 //! This is the calendar queue of Brown (*Calendar Queues: A Fast O(1) Priority Queue Implementation
 //! for the Simulation Event Set Problem*, Communications of the ACM 31, 1988). An event is noted on
-//! its day without being sorted there; a day is read when it comes. The length of a day is fitted to
-//! the events, so that a day has a few of them.
+//! its day without being sorted there; a day is read when it comes. The length of a day is fitted
+//! to the events, so that a day has a few of them.
 
 use super::{Entry, time_of};
 
@@ -21,7 +21,8 @@ pub(super) struct Year<E> {
     /// By day, in one bit: whether it has an event.
     busy: Vec<u64>,
     places: Vec<Place<E>>,
-    /// A place without an event, from which all others can be reached; [`NOWHERE`] if there is none.
+    /// A place without an event, from which all others can be reached; [`NOWHERE`] if there is
+    /// none.
     free: u32,
     /// Number of events.
     len: usize,
@@ -222,8 +223,8 @@ impl<E: Copy> Year<E> {
     }
 
     /// Begins a year that fits these events, after which `entries` has those that are not noted.
-    /// The year does not begin if there are few events, or if most happen at the same instants. `now`
-    /// is the current time in seconds.
+    /// The year does not begin if there are few events, or if most happen at the same instants.
+    /// `now` is the current time in seconds.
     pub(super) fn begin(&mut self, entries: &mut Vec<Entry<E>>, now: f64) {
         if entries.len() < MIN_EVENTS {
             return;
