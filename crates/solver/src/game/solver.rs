@@ -34,8 +34,7 @@ use std::time::Instant;
 /// Maximum number of bit pairs of a small game.
 const SMALL_PAIRS: usize = 48;
 
-/// Maximum number of nodes created in total in a small game; creating them takes about a
-/// millisecond.
+/// Maximum number of nodes created in total in a small game.
 const SMALL_NODES: u64 = 5_000;
 
 /// Peak number of nodes above which a game is large.
