@@ -100,14 +100,6 @@ pub const EQUIVALENT: &[Equivalent] = &[
     Equivalent {
         file: VERIFY,
         function: "context",
-        right: "! always(id)",
-        wrong: "true",
-        number: 1,
-        why: "the constant 1 is evaluated for each letter and is never 0; the names of the others stay beside them",
-    },
-    Equivalent {
-        file: VERIFY,
-        function: "context",
         right: "self.known.insert(place, Rc :: clone(& context))",
         wrong: "",
         number: 1,

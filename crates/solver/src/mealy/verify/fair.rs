@@ -3,7 +3,8 @@
 
 use super::product::Edge;
 use crate::game::{Limit, Limits};
-use std::collections::{HashMap, VecDeque};
+use rustc_hash::FxHashMap;
+use std::collections::VecDeque;
 
 /// Returns a cycle of edges whose labels are `bad`, as edges with their source nodes. For every
 /// assumption, given by index, the cycle has an edge whose label is `fair`. Returns `None` if there
@@ -18,7 +19,7 @@ pub fn fair_cycle(
     let part = components(edges, bad, limits)?;
     let inner = |from: usize, edge: &Edge| bad(edge.label) && part[from] == part[edge.to];
     // The assumptions met in each component that has an edge.
-    let mut seen: HashMap<usize, Vec<bool>> = HashMap::new();
+    let mut seen: FxHashMap<usize, Vec<bool>> = FxHashMap::default();
     for (from, out) in edges.iter().enumerate() {
         for edge in out.iter().filter(|e| inner(from, e)) {
             let seen = seen
@@ -60,7 +61,7 @@ fn path(
     inner: &impl Fn(usize, &Edge) -> bool,
     wanted: &impl Fn(usize, &Edge) -> bool,
 ) -> Vec<(usize, Edge)> {
-    let mut before: HashMap<usize, (usize, Edge)> = HashMap::new();
+    let mut before: FxHashMap<usize, (usize, Edge)> = FxHashMap::default();
     let mut queue = VecDeque::from([from]);
     while let Some(node) = queue.pop_front() {
         for edge in edges[node].iter().filter(|e| inner(node, e)) {

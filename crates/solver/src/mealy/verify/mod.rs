@@ -31,7 +31,7 @@ use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{Specification, Time, VarId};
 use product::{Edge, Product};
 use residual::{Id, Place, Pool, Tree, key};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::rc::Rc;
 
 /// Maximum number of pairs of a node and an input valuation that are examined.
@@ -76,10 +76,12 @@ pub fn verify(
 struct Context {
     /// Place in [`Check::legal`] at which the enumeration of legal inputs starts.
     legal: Place,
-    /// The remaining guarantees, with their indices among the names.
-    guarantees: Vec<(Id, usize)>,
-    /// Justice formulas, first the environment's, then the machine's.
-    justice: Vec<Id>,
+    /// Place of the remaining guarantees in [`Check::kept`].
+    kept: Place,
+    /// Place of the justice formulas in [`Check::met`]: the environment's, then the machine's.
+    met: Place,
+    /// The guarantees.
+    guarantees: Vec<Id>,
 }
 
 /// A check in progress.
@@ -94,11 +96,15 @@ struct Check<'a> {
     contexts: Tree,
     /// Tree that tests next inputs.
     legal: Tree,
+    /// Tree of the guarantees, which tests next values, outputs first.
+    kept: Tree,
+    /// Tree of the justice formulas, which tests the same values.
+    met: Tree,
     /// Number of the environment's formulas in a context, without justice. These formulas come
     /// first.
     assumptions: usize,
     guarantee_names: Vec<String>,
-    known: HashMap<Place, Rc<Context>>,
+    known: FxHashMap<Place, Rc<Context>>,
     /// Place in `contexts` of the formulas about a later step.
     step: Place,
     product: Product,
@@ -106,6 +112,8 @@ struct Check<'a> {
     max_pairs: u64,
     /// Place in `legal` at which an assumption is broken.
     broken: Place,
+    /// Place in `kept` at which a guarantee is broken.
+    violated: Place,
 }
 
 impl<'a> Check<'a> {
@@ -128,14 +136,17 @@ impl<'a> Check<'a> {
             let range = domain(*v);
             (key(v.index(), time), range.low, range.high)
         };
-        let now = outputs.iter().chain(&inputs).map(|v| ask(v, Time::Now));
-        let next = inputs.iter().map(|v| ask(v, Time::Next));
+        let all = |time| outputs.iter().chain(&inputs).map(move |v| ask(v, time));
         let mut pool = Pool::default();
-        let mut contexts = Tree::new(now.collect());
-        let mut legal = Tree::new(next.collect());
+        let mut contexts = Tree::new(all(Time::Now).collect());
+        let mut legal = Tree::new(inputs.iter().map(|v| ask(v, Time::Next)).collect());
+        let mut kept = Tree::new(all(Time::Next).collect());
+        let met = Tree::new(all(Time::Next).collect());
         legal.conjunction = true;
+        kept.conjunction = true;
         let no = pool.constant(0);
         let broken = legal.place(&pool, vec![no]);
+        let violated = kept.place(&pool, vec![no]);
 
         let rules = Rules::of(specification, &mut pool);
         let start = contexts.place(&pool, rules.start);
@@ -150,14 +161,17 @@ impl<'a> Check<'a> {
             outputs,
             contexts,
             legal,
+            kept,
+            met,
             assumptions,
             guarantee_names: rules.names[assumptions..].to_vec(),
-            known: HashMap::new(),
+            known: FxHashMap::default(),
             step,
             product: Product::new(start),
             pairs: 0,
             max_pairs: limits.max_nodes.unwrap_or(MAX_PAIRS).min(MAX_PAIRS),
             broken,
+            violated,
         })
     }
 
@@ -168,18 +182,11 @@ impl<'a> Check<'a> {
         let formulas = self.contexts.formulas(place).to_vec();
         let (assumed, rest) = formulas.split_at(self.assumptions);
         let (guaranteed, justice) = rest.split_at(self.guarantee_names.len());
-        let always = |id: &Id| self.pool.value(*id) == Some(1);
-        let left = assumed.to_vec();
-        let guarantees = guaranteed
-            .iter()
-            .copied()
-            .zip(0..)
-            .filter(|(id, _)| !always(id))
-            .collect();
         let context = Rc::new(Context {
-            legal: self.legal.place(&self.pool, left),
-            guarantees,
-            justice: justice.to_vec(),
+            legal: self.legal.place(&self.pool, assumed.to_vec()),
+            kept: self.kept.place(&self.pool, guaranteed.to_vec()),
+            met: self.met.place(&self.pool, justice.to_vec()),
+            guarantees: guaranteed.to_vec(),
         });
         self.known.insert(place, Rc::clone(&context));
         context
@@ -191,17 +198,12 @@ impl<'a> Check<'a> {
         while let Some(current) = self.product.next() {
             let context = self.context(self.product.node(current).1);
             let mut edges: Vec<Edge> = Vec::new();
-            let mut label = vec![false; context.justice.len()];
             let wrong = self.letters(current, &mut |check, transition, next| {
-                for (id, name) in &context.guarantees {
-                    if check.pool.eval(*id, next) == 0 {
-                        let name = check.guarantee_names[*name].clone();
-                        return Some(Clause::Guarantee(name));
-                    }
+                let kept = check.kept.descend(&mut check.pool, context.kept, next);
+                if kept == check.violated {
+                    return Some(check.violated_guarantee(&context, next));
                 }
-                for (bit, id) in label.iter_mut().zip(&context.justice) {
-                    *bit = check.pool.eval(*id, next) != 0;
-                }
+                let label = check.label(&context, next);
                 let place = check.contexts.descend(&mut check.pool, check.step, next);
                 let to = (transition.to, place);
                 let edge = check.product.edge(current, next, &label, to);
@@ -222,6 +224,20 @@ impl<'a> Check<'a> {
             self.product.close(edges);
         }
         Ok(None)
+    }
+
+    /// The first guarantee that is violated in a step with this valuation, which violates one.
+    fn violated_guarantee(&self, context: &Context, next: &[i64]) -> Clause {
+        let mut guarantees = context.guarantees.iter().zip(&self.guarantee_names);
+        let violated = guarantees.find(|(id, _)| self.pool.eval(**id, next) == 0);
+        Clause::Guarantee(violated.map(|(_, name)| name.clone()).unwrap_or_default())
+    }
+
+    /// For each justice formula, whether a step with this valuation satisfies it.
+    fn label(&mut self, context: &Context, next: &[i64]) -> Vec<bool> {
+        let place = self.met.descend(&mut self.pool, context.met, next);
+        let known = self.met.formulas(place).iter();
+        known.map(|id| self.pool.value(*id) != Some(0)).collect()
     }
 
     /// Calls `visit` with the machine's transition and the valuation of the next step, for all next
@@ -328,10 +344,7 @@ impl<'a> Check<'a> {
         let target = self.product.node(edge.to);
         let found = self.letters(from, &mut |check, transition, next| {
             let place = check.contexts.descend(&mut check.pool, check.step, next);
-            let mut justice = context.justice.iter().enumerate();
-            let same = justice.all(|(i, id)| {
-                check.product.satisfies(edge.label, i) == (check.pool.eval(*id, next) != 0)
-            });
+            let same = check.label(&context, next) == check.product.labels[edge.label as usize];
             // Any clause would do: it only stops the enumeration.
             (same && target == (Some(transition.to), place)).then_some(Clause::MissingTransition)
         })?;

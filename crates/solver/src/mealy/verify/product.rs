@@ -2,7 +2,7 @@
 //! built node by node.
 
 use super::residual::Place;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// A step of the product graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,12 +29,12 @@ struct Node {
 #[derive(Debug)]
 pub(super) struct Product {
     nodes: Vec<Node>,
-    numbers: HashMap<(usize, Place), usize>,
+    numbers: FxHashMap<(usize, Place), usize>,
     /// Edges of each node examined so far.
     pub(super) edges: Vec<Vec<Edge>>,
     /// For each label, whether each justice formula is satisfied.
     pub(super) labels: Vec<Vec<bool>>,
-    label_numbers: HashMap<Vec<bool>, u32>,
+    label_numbers: FxHashMap<Vec<bool>, u32>,
 }
 
 impl Product {
@@ -46,10 +46,10 @@ impl Product {
                 context: start,
                 from: None,
             }],
-            numbers: HashMap::new(),
+            numbers: FxHashMap::default(),
             edges: Vec::new(),
             labels: Vec::new(),
-            label_numbers: HashMap::new(),
+            label_numbers: FxHashMap::default(),
         }
     }
 

@@ -7,46 +7,8 @@
 
 use linewright_core::gr1::eval;
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use rustc_hash::FxHashMap;
 use std::rc::Rc;
-
-/// A fast hash for small internal keys. Protection against attackers, which the default hash
-/// offers, is not needed here.
-#[derive(Debug, Default)]
-pub struct Mixer(u64);
-
-type Mix = BuildHasherDefault<Mixer>;
-
-impl Hasher for Mixer {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for chunk in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..chunk.len()].copy_from_slice(chunk);
-            self.write_u64(u64::from_le_bytes(word));
-        }
-    }
-
-    fn write_u64(&mut self, word: u64) {
-        self.0 = (self.0.rotate_left(5) ^ word).wrapping_mul(0x517C_C1B7_2722_0A95);
-    }
-
-    fn write_u32(&mut self, word: u32) {
-        self.write_u64(u64::from(word));
-    }
-
-    fn write_i64(&mut self, word: i64) {
-        self.write_u64(word as u64);
-    }
-
-    fn write_usize(&mut self, word: usize) {
-        self.write_u64(word as u64);
-    }
-}
 
 /// Number of an expression in its pool.
 pub type Id = u32;
@@ -75,8 +37,8 @@ pub struct Pool {
     nodes: Vec<Node>,
     /// Keys that each expression mentions, ascending.
     keys: Vec<Rc<[Key]>>,
-    ids: HashMap<Node, Id, Mix>,
-    fixed: HashMap<(Id, Key, i64), Id, Mix>,
+    ids: FxHashMap<Node, Id>,
+    fixed: FxHashMap<(Id, Key, i64), Id>,
 }
 
 impl Pool {
@@ -256,7 +218,7 @@ pub struct Tree {
     /// replaces the whole list.
     pub conjunction: bool,
     branches: Vec<Branch>,
-    places: HashMap<Rc<[Id]>, Place, Mix>,
+    places: FxHashMap<Rc<[Id]>, Place>,
 }
 
 /// Marks a child that is not computed yet.
@@ -279,7 +241,7 @@ impl Tree {
             ranks,
             conjunction: false,
             branches: Vec::new(),
-            places: HashMap::default(),
+            places: FxHashMap::default(),
         }
     }
 
