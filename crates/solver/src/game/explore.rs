@@ -15,7 +15,8 @@ use super::cover::{Condition, Cover};
 use super::strategy::Strategy;
 use crate::symbolic::{Bit, BitSet, Kernel, Limit, Limits};
 use linewright_core::gr1::{Specification, Time, VarId};
-use std::collections::{BTreeSet, HashMap};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
 
 /// Maximum number of rows.
 const MAX_ROWS: usize = 200_000;
@@ -70,9 +71,9 @@ struct Explorer<'a, K: Kernel> {
     limits: &'a Limits,
     states: Vec<State<K>>,
     /// Index of each state by goal and residual.
-    numbers: HashMap<(usize, K::Function), usize>,
+    numbers: FxHashMap<(usize, K::Function), usize>,
     /// States by pursued goal and outputs of the last step.
-    classes: HashMap<(usize, Vec<i64>), Classes<K>>,
+    classes: FxHashMap<(usize, Vec<i64>), Classes<K>>,
 }
 
 /// Converts a strategy to explicit states.
@@ -92,8 +93,8 @@ pub fn explore<K: Kernel>(
         outputs: specification.outputs().collect(),
         limits,
         states: Vec::new(),
-        numbers: HashMap::new(),
-        classes: HashMap::new(),
+        numbers: FxHashMap::default(),
+        classes: FxHashMap::default(),
     };
     explorer.find_states()?;
 

@@ -7,7 +7,8 @@
 //! cubes in a fixed order.
 
 use super::{Cube, Port, Test};
-use std::collections::{BTreeMap, HashMap};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 
 /// Number of the root node of a diagram.
 pub type Ref = u32;
@@ -39,7 +40,7 @@ enum Node {
 pub struct Diagrams {
     domains: Vec<(i64, i64)>,
     nodes: Vec<Node>,
-    numbers: HashMap<Node, Ref>,
+    numbers: FxHashMap<Node, Ref>,
 }
 
 /// The diagram that is don't-care everywhere.
@@ -52,7 +53,7 @@ impl Diagrams {
         Self {
             domains: domains.collect(),
             nodes: vec![Node::DontCare],
-            numbers: HashMap::from([(Node::DontCare, DONT_CARE)]),
+            numbers: FxHashMap::from_iter([(Node::DontCare, DONT_CARE)]),
         }
     }
 
@@ -119,7 +120,7 @@ impl Diagrams {
         a: Ref,
         b: Ref,
         join: &mut impl FnMut(Leaf, Leaf) -> Option<Leaf>,
-        seen: &mut HashMap<(Ref, Ref), Ref>,
+        seen: &mut FxHashMap<(Ref, Ref), Ref>,
         steps: &mut u64,
     ) -> Option<Ref> {
         if a == DONT_CARE || a == b {
@@ -170,7 +171,7 @@ impl Diagrams {
         &mut self,
         node: Ref,
         change: &impl Fn(Leaf) -> Leaf,
-        seen: &mut HashMap<Ref, Ref>,
+        seen: &mut FxHashMap<Ref, Ref>,
     ) -> Ref {
         if let Some(known) = seen.get(&node) {
             return *known;
@@ -233,7 +234,7 @@ impl Diagrams {
     }
 
     /// Returns the number of cubes of a diagram.
-    pub fn cubes(&self, node: Ref, seen: &mut HashMap<Ref, u64>) -> u64 {
+    pub fn cubes(&self, node: Ref, seen: &mut FxHashMap<Ref, u64>) -> u64 {
         match &self.nodes[node as usize] {
             Node::DontCare => 0,
             Node::Leaf(_) => 1,

@@ -11,7 +11,8 @@ use super::diagram::{DONT_CARE, Diagrams, Leaf, Ref};
 use super::{Guard, Machine, Transition};
 use crate::game::{Limit, Limits};
 use linewright_core::gr1::Timing;
-use std::collections::{BTreeSet, HashMap};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
 
 /// Maximum number of pairs of diagram nodes visited while merging by don't-cares. Merging that
 /// would take more steps saves only a few states.
@@ -51,7 +52,7 @@ impl Work {
                 .collect(),
             timing: machine.timing,
         };
-        let mut numbers = HashMap::new();
+        let mut numbers = FxHashMap::default();
         work.initial = work.diagram_of(&machine.initial, &mut numbers);
         for transitions in &machine.states {
             limits.check_time()?;
@@ -64,7 +65,7 @@ impl Work {
     fn diagram_of(
         &mut self,
         transitions: &[Transition],
-        numbers: &mut HashMap<Vec<i64>, u32>,
+        numbers: &mut FxHashMap<Vec<i64>, u32>,
     ) -> Ref {
         let mut parts = Vec::new();
         for transition in transitions {
@@ -85,7 +86,7 @@ impl Work {
         while parts.len() > 1 {
             let mut halves = Vec::with_capacity(parts.len().div_ceil(2));
             for pair in parts.chunks(2) {
-                let mut seen = HashMap::new();
+                let mut seen = FxHashMap::default();
                 let (a, b) = (pair[0], pair.get(1).copied().unwrap_or(DONT_CARE));
                 let both = self.diagrams.overlay(
                     a,
@@ -111,8 +112,8 @@ impl Work {
                 to: blocks[leaf.to as usize],
                 ..leaf
             };
-            let mut seen = HashMap::new();
-            let mut numbers: HashMap<Ref, u32> = HashMap::new();
+            let mut seen = FxHashMap::default();
+            let mut numbers: FxHashMap<Ref, u32> = FxHashMap::default();
             let mut finer = Vec::with_capacity(blocks.len());
             for state in &self.states {
                 let signature = self.diagrams.relabel(*state, &change, &mut seen);
@@ -136,7 +137,7 @@ impl Work {
             to: blocks[leaf.to as usize],
             ..leaf
         };
-        let mut seen = HashMap::new();
+        let mut seen = FxHashMap::default();
         let mut states: Vec<Option<Ref>> =
             vec![None; blocks.iter().max().map_or(0, |b| *b as usize + 1)];
         for (state, block) in self.states.iter().zip(blocks) {
@@ -176,7 +177,7 @@ impl Work {
             moore,
         };
         let mut steps = MERGE_STEPS;
-        let mut sizes = HashMap::new();
+        let mut sizes = FxHashMap::default();
         'states: for b in 1..count as u32 {
             limits.check_time()?;
             for a in 0..b {
@@ -196,7 +197,7 @@ impl Work {
                 }
             }
         }
-        let mut numbers = HashMap::new();
+        let mut numbers = FxHashMap::default();
         let mut blocks = Vec::with_capacity(count);
         for state in 0..count as u32 {
             let next = numbers.len() as u32;
@@ -274,7 +275,7 @@ impl StatePartition {
         a: u32,
         b: u32,
         steps: &mut u64,
-        sizes: &mut HashMap<Ref, u64>,
+        sizes: &mut FxHashMap<Ref, u64>,
     ) -> Option<Self> {
         let mut result: Option<Self> = None;
         let mut pairs = vec![(a, b)];
@@ -299,7 +300,8 @@ impl StatePartition {
                 }
                 Some(x)
             };
-            let joined = diagrams.overlay(left, right, &mut join, &mut HashMap::new(), steps)?;
+            let joined =
+                diagrams.overlay(left, right, &mut join, &mut FxHashMap::default(), steps)?;
             // Saving a state is not worthwhile if the number of cubes grows.
             let mut count = |node| diagrams.cubes(node, sizes);
             if count(joined) > count(left).saturating_add(count(right)) {

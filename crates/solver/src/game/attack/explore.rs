@@ -11,7 +11,8 @@ use crate::game::cover::Cover;
 use crate::game::explore::{ExplicitStrategy, Row};
 use crate::symbolic::{Bit, Kernel, Limit, Limits};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
-use std::collections::{HashMap, VecDeque};
+use rustc_hash::FxHashMap;
+use std::collections::VecDeque;
 
 /// Maximum number of rows.
 const MAX_ROWS: usize = 200_000;
@@ -55,7 +56,7 @@ struct Explorer<'a, K: Kernel> {
     /// For each state, the steps (x′, y′) that are legal for the machine, over next bits.
     legal: Vec<K::Function>,
     /// Index of each state.
-    numbers: HashMap<Key<K::Function>, usize>,
+    numbers: FxHashMap<Key<K::Function>, usize>,
 }
 
 /// Converts a counterstrategy to explicit states. The last state is entered after answers that
@@ -75,7 +76,7 @@ pub fn explore<K: Kernel>(
         limits,
         keys: Vec::new(),
         legal: Vec::new(),
-        numbers: HashMap::new(),
+        numbers: FxHashMap::default(),
     };
     let first = Key {
         aim: 0,
@@ -288,7 +289,7 @@ impl<K: Kernel> Explorer<'_, K> {
 
 /// Removes unreachable states and numbers the others breadth-first.
 fn remove_unreachable(explicit: &ExplicitStrategy) -> ExplicitStrategy {
-    let mut numbers: HashMap<usize, usize> = HashMap::new();
+    let mut numbers: FxHashMap<usize, usize> = FxHashMap::default();
     let mut order = Vec::new();
     let mut queue: VecDeque<usize> = explicit.initial.iter().map(|r| r.to).collect();
     while let Some(state) = queue.pop_front() {
