@@ -41,11 +41,11 @@ const USUAL_NODES: u64 = 1 << 27;
 /// Minimum useful capacity of the store in nodes.
 const MIN_NODES: u64 = 1 << 16;
 
-/// Number of cache entries. A larger cache costs more than it saves: every collection clears it,
+/// Maximum number of cache entries. A larger cache costs more than it saves: every collection clears it,
 /// and it no longer fits into the processor's caches.
 const LARGE_CACHE: usize = 1 << 18;
 
-/// Number of cache entries for at most [`FEW_PAIRS`] pairs, if only memory is limited.
+/// Maximum number of cache entries for at most [`FEW_PAIRS`] pairs, if only memory is limited.
 const SMALL_CACHE: usize = 1 << 17;
 
 /// Maximum number of pairs for [`SMALL_CACHE`].

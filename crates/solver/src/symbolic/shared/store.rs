@@ -25,6 +25,10 @@ const MARK: u32 = 1 << 31;
 /// Number of slots of a new table.
 const FIRST_SLOTS: usize = 1 << 12;
 
+/// Number of entries of a new cache. Small games need no more, and these fit into the processor's
+/// caches.
+const FIRST_ENTRIES: usize = 1 << 12;
+
 /// Maximum number of nodes: an edge to a node takes 31 bits, and the cache needs the last one.
 pub const MAX_NODES: u64 = 1 << 30;
 
@@ -66,6 +70,14 @@ struct Entry {
     result: Link,
 }
 
+impl Entry {
+    /// No result.
+    const NONE: Self = Self {
+        key: Key::NONE,
+        result: Link::TRUE,
+    };
+}
+
 /// Mixes three numbers into 64 bits; each of these depends on all bits of the numbers.
 fn mix(a: u32, b: u32, c: u32) -> u64 {
     let both =
@@ -85,6 +97,8 @@ pub struct Store {
     /// Unique table: the hash of a node in the upper half, its number in the lower; 0 if empty.
     slots: Vec<u64>,
     cache: Vec<Entry>,
+    /// Maximum number of entries of the cache.
+    max_entries: usize,
     /// Maximum number of nodes.
     capacity: usize,
     /// Bit of each level.
@@ -98,6 +112,8 @@ pub struct Store {
     computed: u64,
     /// Value of `computed` from which the limits are checked again.
     next_check: u64,
+    /// Value of `computed` from which the limits are checked or the cache grows.
+    next_stop: u64,
     /// Deadline of the current operation.
     deadline: Deadline,
     /// Work from which on the current operation ends; see [`Self::work`].
@@ -107,8 +123,9 @@ pub struct Store {
 }
 
 impl Store {
-    /// Creates a store for at most `capacity` nodes, with this number of cache entries, a power of
-    /// two.
+    /// Creates a store for at most `capacity` nodes and this number of cache entries, a power of
+    /// two. The cache starts small, and reaches this size once half as many results have been
+    /// computed.
     pub fn new(order: &Order, capacity: usize, entries: usize) -> Self {
         let mut store = Self {
             nodes: vec![Node {
@@ -119,13 +136,8 @@ impl Store {
             free: 0,
             count: 0,
             slots: vec![0; FIRST_SLOTS],
-            cache: vec![
-                Entry {
-                    key: Key::NONE,
-                    result: Link::TRUE
-                };
-                entries
-            ],
+            cache: vec![Entry::NONE; entries.min(FIRST_ENTRIES)],
+            max_entries: entries,
             capacity,
             bits: Vec::new(),
             levels: Vec::new(),
@@ -133,10 +145,12 @@ impl Store {
             created: 0,
             computed: 0,
             next_check: CHECK_INTERVAL,
+            next_stop: 0,
             deadline: Deadline::NONE,
             max_work: u64::MAX,
             patience: u64::MAX,
         };
+        store.set_next_stop();
         store.set_order(order);
         store
     }
@@ -321,8 +335,25 @@ impl Store {
     /// Counts a result that has to be computed; checks the limits from time to time.
     pub(super) fn tick(&mut self) -> Result<(), Stop> {
         self.computed += 1;
-        if self.computed >= self.next_check {
+        if self.computed >= self.next_stop {
+            return self.pause();
+        }
+        Ok(())
+    }
+
+    /// Lets the cache grow, and checks the limits, if either is due.
+    #[cold]
+    fn pause(&mut self) -> Result<(), Stop> {
+        let has_room = self.cache.len() < self.max_entries;
+        if has_room && 2 * self.computed >= self.cache.len() as u64 {
+            self.grow_cache();
+        }
+        let is_due = self.computed >= self.next_check;
+        if is_due {
             self.next_check = self.computed + CHECK_INTERVAL;
+        }
+        self.set_next_stop();
+        if is_due {
             self.deadline.check().map_err(Stop::Late)?;
             if self.work() > self.max_work {
                 return Err(Stop::Work);
@@ -332,6 +363,26 @@ impl Store {
             }
         }
         Ok(())
+    }
+
+    fn set_next_stop(&mut self) {
+        let growth = self.cache.len() as u64 / 2;
+        self.next_stop = if self.cache.len() < self.max_entries {
+            self.next_check.min(growth)
+        } else {
+            self.next_check
+        };
+    }
+
+    /// Doubles the cache. Operations in progress still store their results at the old places, where
+    /// nobody finds them.
+    fn grow_cache(&mut self) {
+        let larger = vec![Entry::NONE; 2 * self.cache.len()];
+        let entries = std::mem::replace(&mut self.cache, larger).into_iter();
+        for entry in entries.filter(|entry| entry.key != Key::NONE) {
+            let (place, _) = self.cached(entry.key);
+            self.cache[place] = entry;
+        }
     }
 
     /// Marks the nodes that `link` reaches and that have no mark yet; calls `visit` for each of
@@ -373,10 +424,7 @@ impl Store {
         for root in roots {
             self.mark(root, &mut |_| ());
         }
-        self.cache.fill(Entry {
-            key: Key::NONE,
-            result: Link::TRUE,
-        });
+        self.cache.fill(Entry::NONE);
         // The table is cleared in place: the pages of a new one would have to be mapped first.
         let is_live =
             |slot: &u64| *slot != 0 && self.nodes[*slot as u32 as usize].level & MARK != 0;
