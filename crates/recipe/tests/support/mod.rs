@@ -1,0 +1,3 @@
+//! Shared by the tests: the reconstructed demonstrator.
+
+pub mod pad;
