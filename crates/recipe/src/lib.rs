@@ -20,6 +20,6 @@
 pub mod controller;
 mod intern;
 pub mod model;
-//pub mod realize;
+pub mod realize;
 //pub mod replay;
 pub mod topology;

@@ -1,0 +1,241 @@
+//! Whether a recipe can be made on a layout: a search that does not need the topology.
+//!
+//! The idea is that of `CheckManuf` and `ProcessCompositeOp` in the paper (its Algorithms 2 and 3),
+//! but not their code: what they leave open or get wrong is decided as follows.
+//!
+//! - A search node is a transition of the recipe, the number of its steps performed, the states of
+//!   all resources and the parts. The paper marks resource states and parts only, so that a step
+//!   fails where the one before it has been.
+//! - Loops (rework) are a greatest fixpoint with retraction. In the paper they always fail.
+//! - A state of the recipe that is reached in two configurations has two positions.
+//! - If a resource holds several parts, each is tried; an empty resource cannot give; capacities
+//!   are respected; parts that remain at an end have to be allowed.
+//! - A test costs no vector. It changes nothing, whatever its outcome.
+//! - Parts with the same name are not told apart.
+//!
+//! The search explores forward, breadth first, and evaluates backward each time that the graph has
+//! doubled. It stops as soon as nothing unexplored can be better; with loops, when all is explored.
+//! A depth-first AND-OR search was dropped: it needs fewer nodes for a verdict, but has to explore
+//! the same graph to find the least number of vectors.
+
+mod cell;
+mod evaluate;
+mod explore;
+mod extract;
+mod moves;
+
+use crate::controller::Controller;
+use crate::model::{Layout, Problem, Recipe};
+use cell::Cell;
+use evaluate::{NEVER, evaluate};
+use explore::{Graph, Limits};
+use extract::extract;
+use moves::{Moves, Stride};
+use rustc_hash::FxHashSet;
+
+/// Limits of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SearchLimits {
+    /// Maximum number of search nodes. Each takes some hundred bytes.
+    pub nodes: usize,
+    /// Maximum number of vectors tried.
+    pub vectors: usize,
+}
+
+impl Default for SearchLimits {
+    fn default() -> Self {
+        Self {
+            nodes: 2_000_000,
+            vectors: 40_000_000,
+        }
+    }
+}
+
+/// Answer to the question whether a recipe can be made on a layout.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// It can, like this.
+    Realizable(Controller),
+    /// It cannot.
+    Unrealizable(Refusal),
+    /// The search reached its limits. The recipe may or may not be realizable.
+    GaveUp(SearchSize),
+}
+
+/// Why a recipe cannot be made.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// Causes that can be told without a search. If there are any, there was none.
+    pub obstacles: Vec<Obstacle>,
+    /// The most steps that could be performed of each transition of the recipe, whatever became of
+    /// the others; `None` if it could not even begin.
+    pub furthest_steps: Vec<Option<usize>>,
+    /// Size of the search. It was complete, which proves the answer.
+    pub size: SearchSize,
+}
+
+/// Cause that can be told without a search.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Obstacle {
+    /// No resource performs an operation.
+    NoPerformer {
+        /// Index of the transition of the recipe.
+        transition: usize,
+        /// Index of the step.
+        step: usize,
+        /// Name of the operation.
+        operation: String,
+    },
+    /// No operation of the recipe makes a part, and the layout does not hold one like it.
+    NoSource {
+        /// Index of the transition of the recipe.
+        transition: usize,
+        /// Index of the step.
+        step: usize,
+        /// Name of the part.
+        part: String,
+    },
+}
+
+/// Size of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SearchSize {
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of vectors tried, apart from those that lead to no node.
+    pub vectors: usize,
+}
+
+/// Decides whether a recipe can be made on a layout, and how with the least number of vectors in
+/// the worst case over the outcomes of the tests.
+///
+/// If trying whole vectors reaches the limits without an answer, and every resource may wait in
+/// every state, the search is repeated with one event in each vector. Its verdict is right, but its
+/// controller does not have the least number of vectors.
+///
+/// The result is the same each time. Time and memory are proportional to the size of the search,
+/// which is exponential in the number of parts, and at worst in the number of resources.
+///
+/// # Errors
+/// All problems of the layout and the recipe, if any of them is more than a warning.
+pub fn realize(
+    layout: &Layout,
+    recipe: &Recipe,
+    limits: SearchLimits,
+) -> Result<Outcome, Vec<Problem>> {
+    let mut problems = layout.problems();
+    problems.extend(recipe.problems());
+    problems.extend(recipe.problems_on(layout));
+    if problems.iter().any(|p| !p.is_warning()) {
+        return Err(problems);
+    }
+    let obstacles = obstacles(layout, recipe);
+    if !obstacles.is_empty() {
+        return Ok(Outcome::Unrealizable(Refusal {
+            obstacles,
+            furthest_steps: vec![None; recipe.transitions.len()],
+            size: SearchSize::default(),
+        }));
+    }
+    let cell = Cell::new(layout, recipe);
+    let outcome = search(&cell, Stride::Vectors, limits);
+    Ok(match outcome {
+        Outcome::GaveUp(_) if cell.all_may_wait() => search(&cell, Stride::Events, limits),
+        outcome => outcome,
+    })
+}
+
+fn search(cell: &Cell, stride: Stride, limits: SearchLimits) -> Outcome {
+    let mut graph = Graph::new(cell);
+    let mut moves = Moves::new(cell, stride);
+    let has_loops = cell.works.iter().any(|w| w.closes_loop);
+    let mut until = 512;
+    loop {
+        let limits = Limits {
+            nodes: limits.nodes,
+            edges: limits.vectors,
+        };
+        let stopped = graph.explore(&mut moves, until, limits);
+        let is_complete = graph.is_complete();
+        let size = SearchSize {
+            nodes: graph.len(),
+            vectors: graph.edge_count(),
+        };
+        let evaluation = evaluate(&graph);
+        let cost = evaluation.cost.first().copied().unwrap_or(NEVER);
+        if cost != NEVER {
+            let is_proved = is_complete || (!has_loops && cost <= graph.least_unexplored());
+            if is_proved || stopped {
+                let is_least = is_proved && stride == Stride::Vectors;
+                let controller = extract(&graph, &evaluation, &mut moves, is_least);
+                return Outcome::Realizable(controller);
+            }
+        } else if is_complete {
+            return Outcome::Unrealizable(Refusal {
+                obstacles: Vec::new(),
+                furthest_steps: graph.furthest_steps(),
+                size,
+            });
+        }
+        if stopped {
+            return Outcome::GaveUp(size);
+        }
+        until = 2 * graph.len();
+    }
+}
+
+/// Returns the causes that can be told without a search. They are exact: since every transition of
+/// the recipe that can be reached has to be realized, one of them suffices.
+fn obstacles(layout: &Layout, recipe: &Recipe) -> Vec<Obstacle> {
+    let unreachable: FxHashSet<String> = (recipe.problems().into_iter())
+        .filter_map(|p| match p {
+            Problem::Unreachable(state) => Some(state),
+            _ => None,
+        })
+        .collect();
+    let reachable = || {
+        let numbered = recipe.transitions.iter().enumerate();
+        numbered.filter(|(_, t)| !unreachable.contains(&t.from))
+    };
+    let calls = || {
+        reachable().flat_map(|(transition, t)| {
+            let steps = t.steps.iter().enumerate();
+            steps.flat_map(move |(step, s)| s.operations.iter().map(move |c| (transition, step, c)))
+        })
+    };
+    let actions = layout.resources.iter().flat_map(|r| &r.transitions);
+    let performed: FxHashSet<&str> = actions
+        .filter_map(|t| match &t.action {
+            crate::model::Action::Operation(name) => Some(name.as_str()),
+            _ => None,
+        })
+        .collect();
+    let held = layout.resources.iter().flat_map(|r| &r.holds);
+    let sources: FxHashSet<&str> = (calls().flat_map(|(.., c)| &c.outputs))
+        .chain(held)
+        .map(String::as_str)
+        .collect();
+    let mut obstacles = Vec::new();
+    let mut told = FxHashSet::default();
+    for (transition, step, call) in calls() {
+        if !performed.contains(call.name.as_str()) && told.insert(&call.name) {
+            obstacles.push(Obstacle::NoPerformer {
+                transition,
+                step,
+                operation: call.name.clone(),
+            });
+        }
+        for part in &call.inputs {
+            let kind = recipe.part(part).map_or("", |p| &recipe.parts[p].kind);
+            let has_source = sources.contains(part.as_str()) || sources.contains(kind);
+            if !has_source && told.insert(part) {
+                obstacles.push(Obstacle::NoSource {
+                    transition,
+                    step,
+                    part: part.clone(),
+                });
+            }
+        }
+    }
+    obstacles
+}
