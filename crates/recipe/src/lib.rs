@@ -21,5 +21,5 @@ pub mod controller;
 mod intern;
 pub mod model;
 pub mod realize;
-//pub mod replay;
+pub mod replay;
 pub mod topology;

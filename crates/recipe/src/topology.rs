@@ -98,8 +98,11 @@ pub fn size(layout: &Layout, max_states: usize) -> Result<TopologySize, Topology
     explore(layout, max_states, |_| {})
 }
 
+/// Choices by resource and state.
+type Choices = Vec<Vec<Vec<Choice>>>;
+
 /// Returns the choices of each resource in each state, and the number of labels.
-fn tabulate(layout: &Layout) -> (Vec<Vec<Vec<Choice>>>, usize) {
+fn tabulate(layout: &Layout) -> (Choices, usize) {
     let mut labels: Vec<&str> = (layout.resources.iter())
         .flat_map(|r| &r.transitions)
         .filter_map(|t| t.action.label())

@@ -79,9 +79,19 @@ fn large() {
         eprintln!("{n}: {:?} {:?}", start.elapsed(), c.map(|c| c.worst_case));
         let start = std::time::Instant::now();
         let mut layout = pad::layout(n);
-        for r in &mut layout.resources { for s in &mut r.states { s.may_wait = true; } }
+        for r in &mut layout.resources {
+            for s in &mut r.states {
+                s.may_wait = true;
+            }
+        }
         let c = realize(&layout, &pad::hinge(false), SearchLimits::default());
-        let Ok(Outcome::Realizable(c)) = c else { panic!("{c:?}") };
-        eprintln!("   all may wait {n}: {:?} {:?}", start.elapsed(), c.worst_case);
+        let Ok(Outcome::Realizable(c)) = c else {
+            panic!("{c:?}")
+        };
+        eprintln!(
+            "   all may wait {n}: {:?} {:?}",
+            start.elapsed(),
+            c.worst_case
+        );
     }
 }

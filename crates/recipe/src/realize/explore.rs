@@ -168,7 +168,7 @@ impl<'c> Graph<'c> {
         if steps == work.steps.len() && !tested {
             self.place(work.to, configuration, depth)
         } else {
-            self.node(&[number as u16, steps as u16], configuration, depth)
+            self.node([number as u16, steps as u16], configuration, depth)
         }
     }
 
@@ -185,12 +185,12 @@ impl<'c> Graph<'c> {
         if !testable || (about.is_end && left_over()) {
             DEAD
         } else {
-            self.node(&[state, PLACE], configuration, depth)
+            self.node([state, PLACE], configuration, depth)
         }
     }
 
-    fn node(&mut self, tag: &[u16; 2], configuration: &[u16], depth: u32) -> u32 {
-        let words = [tag, configuration].concat();
+    fn node(&mut self, tag: [u16; 2], configuration: &[u16], depth: u32) -> u32 {
+        let words = [&tag, configuration].concat();
         let (node, is_new) = self.nodes.intern(&words);
         if is_new {
             self.ranges.push((0, 0));

@@ -180,6 +180,8 @@ fn describe(graph: &Graph<'_>, node: u32) -> (Vec<usize>, Vec<Vec<String>>) {
     for pair in held.chunks_exact(2) {
         parts[pair[0] as usize].push(graph.cell.kinds[pair[1] as usize].clone());
     }
-    parts.iter_mut().for_each(|p| p.sort_unstable());
+    for held in &mut parts {
+        held.sort_unstable();
+    }
     (states.iter().map(|s| *s as usize).collect(), parts)
 }

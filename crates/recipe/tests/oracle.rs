@@ -1,0 +1,57 @@
+//! The search against an oracle on random small cells: same verdict, same least number of vectors.
+//! Each controller is replayed, and so are mutants of it, which have to be refused.
+//!
+//! `LINEWRIGHT_RECIPE_CELLS` sets the number of cells; the long form is
+//! `LINEWRIGHT_RECIPE_CELLS=100000 cargo test --release -p linewright-recipe --test oracle`.
+//! `LINEWRIGHT_RECIPE_SEED` sets the first cell.
+
+mod support;
+
+use linewright_recipe::realize::{Outcome, SearchLimits, realize};
+use linewright_recipe::replay;
+use support::naive::{self, Answer};
+use support::random;
+
+fn setting(name: &str, default: u64) -> u64 {
+    let text = std::env::var(name).unwrap_or_default();
+    text.parse().unwrap_or(default)
+}
+
+#[test]
+fn the_search_agrees_with_the_oracle() {
+    let cells = setting("LINEWRIGHT_RECIPE_CELLS", 2_000);
+    let first = setting("LINEWRIGHT_RECIPE_SEED", 0);
+    let (mut realizable, mut searched, mut loops, mut skipped) = (0, 0, 0, 0);
+    let mut longest = 0;
+    for seed in first..first + cells {
+        let (layout, recipe) = random::cell(seed);
+        let answer = naive::decide(&layout, &recipe, 2_000);
+        let outcome = realize(&layout, &recipe, SearchLimits::default());
+        let outcome = outcome.unwrap_or_else(|problems| panic!("{seed}: {problems:?}"));
+        if answer == Answer::TooLarge {
+            skipped += 1;
+            continue;
+        }
+        match outcome {
+            Outcome::Realizable(controller) => {
+                let worst_case = controller.worst_case as usize;
+                assert_eq!(answer, Answer::Realizable(worst_case), "{seed}");
+                assert!(controller.is_least, "{seed}");
+                let replayed = replay::verify(&layout, &recipe, &controller);
+                assert_eq!(replayed, Ok(()), "{seed}");
+                realizable += 1;
+                loops += usize::from(recipe.closes_loop().contains(&true));
+                longest = longest.max(worst_case);
+            }
+            Outcome::Unrealizable(refusal) => {
+                assert_eq!(answer, Answer::Unrealizable, "{seed}");
+                searched += usize::from(refusal.obstacles.is_empty());
+            }
+            Outcome::GaveUp(size) => panic!("{seed}: {size:?}"),
+        }
+    }
+    println!(
+        "{cells} cells: {realizable} realizable ({loops} with loops, longest {longest}), \
+         {searched} unrealizable by search, {skipped} skipped"
+    );
+}
