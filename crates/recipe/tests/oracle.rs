@@ -9,8 +9,9 @@ mod support;
 
 use linewright_recipe::realize::{Outcome, SearchLimits, realize};
 use linewright_recipe::replay;
+use support::mutants;
 use support::naive::{self, Answer};
-use support::random;
+use support::random::{self, Random};
 
 fn setting(name: &str, default: u64) -> u64 {
     let text = std::env::var(name).unwrap_or_default();
@@ -19,10 +20,11 @@ fn setting(name: &str, default: u64) -> u64 {
 
 #[test]
 fn the_search_agrees_with_the_oracle() {
-    let cells = setting("LINEWRIGHT_RECIPE_CELLS", 2_000);
+    let cells = setting("LINEWRIGHT_RECIPE_CELLS", 1_000);
     let first = setting("LINEWRIGHT_RECIPE_SEED", 0);
     let (mut realizable, mut searched, mut loops, mut skipped) = (0, 0, 0, 0);
-    let mut longest = 0;
+    let (mut longest, mut refused) = (0, 0);
+    let mut random = Random(first);
     for seed in first..first + cells {
         let (layout, recipe) = random::cell(seed);
         let answer = naive::decide(&layout, &recipe, 2_000);
@@ -39,6 +41,13 @@ fn the_search_agrees_with_the_oracle() {
                 assert!(controller.is_least, "{seed}");
                 let replayed = replay::verify(&layout, &recipe, &controller);
                 assert_eq!(replayed, Ok(()), "{seed}");
+                for _ in 0..8 {
+                    let mutant = mutants::mutate(&layout, &controller, &mut random);
+                    let Some(mutant) = mutant else { continue };
+                    let replayed = replay::verify(&layout, &recipe, &mutant);
+                    assert!(replayed.is_err(), "{seed}: {controller:#?} {mutant:#?}");
+                    refused += 1;
+                }
                 realizable += 1;
                 loops += usize::from(recipe.closes_loop().contains(&true));
                 longest = longest.max(worst_case);
@@ -52,6 +61,6 @@ fn the_search_agrees_with_the_oracle() {
     }
     println!(
         "{cells} cells: {realizable} realizable ({loops} with loops, longest {longest}), \
-         {searched} unrealizable by search, {skipped} skipped"
+         {searched} unrealizable by search, {skipped} skipped, {refused} mutants refused"
     );
 }

@@ -6,13 +6,13 @@
 //! iterated until they no longer change.
 
 use linewright_recipe::model::{Action, Guard, Layout, Recipe, Resource, Step, Transition};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeSet, HashMap};
 
 /// State name and sorted parts of each resource.
 type Cell = Vec<(String, Vec<String>)>;
 
 /// What happens in the cell while a recipe is made.
-#[derive(Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 enum Node {
     Place(String, Cell),
     Task(usize, usize, Cell),
@@ -34,57 +34,57 @@ pub fn decide(layout: &Layout, recipe: &Recipe, max_nodes: usize) -> Answer {
         .map(|r| (r.initial.clone(), sorted(r.holds.clone())))
         .collect();
     let start = Node::Place(recipe.start.clone(), start);
-    let mut next: BTreeMap<Node, Vec<(Node, usize)>> = BTreeMap::new();
-    let mut open = vec![start.clone()];
-    while let Some(node) = open.pop() {
-        if next.contains_key(&node) {
-            continue;
+    let mut number: HashMap<Node, usize> = HashMap::from([(start.clone(), 0)]);
+    let mut order = vec![start];
+    let mut next: Vec<Vec<(usize, usize)>> = Vec::new();
+    while let Some(node) = order.get(next.len()).cloned() {
+        let mut targets = Vec::new();
+        for (to, cost) in edges(layout, recipe, &node) {
+            let known = number.get(&to).copied().unwrap_or_else(|| {
+                number.insert(to.clone(), order.len());
+                order.push(to);
+                order.len() - 1
+            });
+            targets.push((known, cost));
         }
-        let edges = edges(layout, recipe, &node);
-        open.extend(edges.iter().map(|e| e.0.clone()));
-        next.insert(node, edges);
-        if next.len() > max_nodes {
+        next.push(targets);
+        if order.len() > max_nodes {
             return Answer::TooLarge;
         }
     }
-    let order: Vec<&Node> = next.keys().collect();
-    let number: BTreeMap<&Node, usize> = order.iter().enumerate().map(|(n, o)| (*o, n)).collect();
-    let next: Vec<Vec<(usize, usize)>> = (next.values())
-        .map(|edges| edges.iter().map(|(to, cost)| (number[to], *cost)).collect())
-        .collect();
-    let start = number[&start];
+    let start = 0;
 
     // Greatest fixpoint of the places that are all right.
-    let mut good: BTreeSet<usize> = (0..order.len())
-        .filter(|n| match order[*n] {
+    let is_task = |n: usize| matches!(order[n], Node::Task(..));
+    let mut good: Vec<bool> = (order.iter())
+        .map(|node| match node {
             Node::Place(state, cell) => acceptable(layout, recipe, state, cell),
             Node::Task(..) => false,
         })
         .collect();
     loop {
         // Tasks that reach a good place in finitely many vectors.
-        let mut reach: BTreeSet<usize> = BTreeSet::new();
+        let mut reach = vec![false; order.len()];
         loop {
-            let more: Vec<usize> = (0..order.len())
-                .filter(|n| matches!(order[*n], Node::Task(..)) && !reach.contains(n))
-                .filter(|n| {
-                    next[*n]
-                        .iter()
-                        .any(|(to, _)| good.contains(to) || reach.contains(to))
-                })
-                .collect();
-            if more.is_empty() {
+            let mut changed = false;
+            for n in (0..order.len()).filter(|n| is_task(*n)) {
+                if !reach[n] && next[n].iter().any(|(to, _)| good[*to] || reach[*to]) {
+                    reach[n] = true;
+                    changed = true;
+                }
+            }
+            if !changed {
                 break;
             }
-            reach.extend(more);
         }
-        let before = good.len();
-        good.retain(|n| next[*n].iter().all(|(to, _)| reach.contains(to)));
-        if good.len() == before {
+        let still = |n: usize| good[n] && next[n].iter().all(|(to, _)| reach[*to]);
+        let rest: Vec<bool> = (0..order.len()).map(still).collect();
+        if rest == good {
             break;
         }
+        good = rest;
     }
-    if !good.contains(&start) {
+    if !good[start] {
         return Answer::Unrealizable;
     }
     // Costs, iterated downward from infinity.
@@ -93,13 +93,13 @@ pub fn decide(layout: &Layout, recipe: &Recipe, max_nodes: usize) -> Answer {
     loop {
         let mut changed = false;
         for n in 0..order.len() {
-            let new = match order[n] {
-                Node::Place(..) if !good.contains(&n) => usize::MAX,
+            let new = match &order[n] {
+                Node::Place(..) if !good[n] => usize::MAX,
                 Node::Place(..) => next[n].iter().map(|(to, _)| cost[*to]).max().unwrap_or(0),
                 Node::Task(transition, ..) => (next[n].iter())
                     .map(|(to, vectors)| {
-                        let rest = match order[*to] {
-                            Node::Place(..) if !good.contains(to) => usize::MAX,
+                        let rest = match &order[*to] {
+                            Node::Place(..) if !good[*to] => usize::MAX,
                             Node::Place(..) if closes[*transition] => 0,
                             _ => cost[*to],
                         };
