@@ -10,6 +10,7 @@
 //! - [`topology`] has the reachable synchronous product of the resources, without parts.
 //! - [`realize`] decides whether a recipe can be made on a layout, without the topology.
 //! - [`controller`] has the result of that decision.
+//! - [`repair`] finds the smallest changes of a layout that make a recipe realizable.
 //! - [`replay`] verifies a controller with code of its own.
 //!
 //! In each *vector*, a resource takes one transition or waits where its state permits. A transfer
@@ -21,5 +22,6 @@ pub mod controller;
 mod intern;
 pub mod model;
 pub mod realize;
+pub mod repair;
 pub mod replay;
 pub mod topology;

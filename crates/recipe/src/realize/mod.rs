@@ -123,9 +123,7 @@ pub fn realize(
     recipe: &Recipe,
     limits: SearchLimits,
 ) -> Result<Outcome, Vec<Problem>> {
-    let mut problems = layout.problems();
-    problems.extend(recipe.problems());
-    problems.extend(recipe.problems_on(layout));
+    let problems = problems(layout, recipe);
     if problems.iter().any(|p| !p.is_warning()) {
         return Err(problems);
     }
@@ -138,14 +136,52 @@ pub fn realize(
         }));
     }
     let cell = Cell::new(layout, recipe);
-    let outcome = search(&cell, Stride::Vectors, limits);
+    let outcome = search(&cell, Stride::Vectors, Goal::Least, limits);
     Ok(match outcome {
-        Outcome::GaveUp(_) if cell.all_may_wait() => search(&cell, Stride::Events, limits),
+        Outcome::GaveUp(_) if cell.all_may_wait() => {
+            search(&cell, Stride::Events, Goal::Least, limits)
+        }
         outcome => outcome,
     })
 }
 
-fn search(cell: &Cell, stride: Stride, limits: SearchLimits) -> Outcome {
+/// Returns all problems of a layout and a recipe.
+pub(crate) fn problems(layout: &Layout, recipe: &Recipe) -> Vec<Problem> {
+    let mut problems = layout.problems();
+    problems.extend(recipe.problems());
+    problems.extend(recipe.problems_on(layout));
+    problems
+}
+
+/// Decides whether a recipe can be made, if the limits permit. Layout and recipe must not have
+/// problems other than warnings.
+pub(crate) fn decide(layout: &Layout, recipe: &Recipe, limits: SearchLimits) -> Option<bool> {
+    if !obstacles(layout, recipe).is_empty() {
+        return Some(false);
+    }
+    let cell = Cell::new(layout, recipe);
+    let stride = if cell.all_may_wait() {
+        Stride::Events
+    } else {
+        Stride::Vectors
+    };
+    match search(&cell, stride, Goal::Verdict, limits) {
+        Outcome::Realizable(_) => Some(true),
+        Outcome::Unrealizable(_) => Some(false),
+        Outcome::GaveUp(_) => None,
+    }
+}
+
+/// What a search is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Goal {
+    /// A controller with the least number of vectors.
+    Least,
+    /// The verdict; the first controller that is found will do.
+    Verdict,
+}
+
+fn search(cell: &Cell, stride: Stride, goal: Goal, limits: SearchLimits) -> Outcome {
     let mut graph = Graph::new(cell);
     let mut moves = Moves::new(cell, stride);
     let has_loops = cell.works.iter().any(|w| w.closes_loop);
@@ -165,7 +201,7 @@ fn search(cell: &Cell, stride: Stride, limits: SearchLimits) -> Outcome {
         let cost = evaluation.cost.first().copied().unwrap_or(NEVER);
         if cost != NEVER {
             let is_proved = is_complete || (!has_loops && cost <= graph.least_unexplored());
-            if is_proved || stopped {
+            if is_proved || stopped || goal == Goal::Verdict {
                 let is_least = is_proved && stride == Stride::Vectors;
                 let controller = extract(&graph, &evaluation, &mut moves, is_least);
                 return Outcome::Realizable(controller);
