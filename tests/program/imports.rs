@@ -7,8 +7,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The crates below the command line with the crates that each uses.
-const CRATES: [(&str, &[&str]); 12] = [
+const CRATES: [(&str, &[&str]); 13] = [
     ("core", &[]),
+    ("recipe", &[]),
     ("automata", &["core"]),
     ("syntax", &["core"]),
     ("language", &["automata", "core", "syntax"]),

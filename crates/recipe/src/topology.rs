@@ -98,11 +98,11 @@ pub fn size(layout: &Layout, max_states: usize) -> Result<TopologySize, Topology
     explore(layout, max_states, |_| {})
 }
 
-/// Choices by resource and state.
-type Choices = Vec<Vec<Vec<Choice>>>;
+/// Choices of a resource in each state.
+type Table = Vec<Vec<Choice>>;
 
 /// Returns the choices of each resource in each state, and the number of labels.
-fn tabulate(layout: &Layout) -> (Choices, usize) {
+fn tabulate(layout: &Layout) -> (Vec<Table>, usize) {
     let mut labels: Vec<&str> = (layout.resources.iter())
         .flat_map(|r| &r.transitions)
         .filter_map(|t| t.action.label())
@@ -166,7 +166,7 @@ impl Combiner {
     /// Calls `found` with each valid combination, as transitions and next states.
     fn each(
         &mut self,
-        choices: &[Vec<Vec<Choice>>],
+        choices: &[Table],
         from: &[u16],
         found: &mut dyn FnMut(&[Option<u16>], &[u16]),
     ) {
