@@ -5,6 +5,7 @@
 
 use crate::controller::{Controller, Leg, Position, Subject, Vector};
 use crate::model::{Action, Guard, Layout, Recipe, Step};
+use rustc_hash::FxHashMap;
 
 /// What is wrong with a controller.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -143,7 +144,15 @@ pub fn verify(layout: &Layout, recipe: &Recipe, controller: &Controller) -> Resu
     if problems.iter().flatten().any(|p| !p.is_warning()) {
         return Err(Fault::Problems);
     }
-    let replay = Replay { layout, recipe };
+    let mut leaving: FxHashMap<&str, Vec<usize>> = FxHashMap::default();
+    for (number, transition) in recipe.transitions.iter().enumerate() {
+        leaving.entry(&transition.from).or_default().push(number);
+    }
+    let replay = Replay {
+        layout,
+        recipe,
+        leaving,
+    };
     let cells: Vec<Cell> = (controller.positions.iter().enumerate())
         .map(|(at, position)| replay.cell(at, position))
         .collect::<Result<_, _>>()?;
@@ -185,6 +194,8 @@ pub fn verify(layout: &Layout, recipe: &Recipe, controller: &Controller) -> Resu
 struct Replay<'a> {
     layout: &'a Layout,
     recipe: &'a Recipe,
+    /// Transitions of the recipe by the state that they leave.
+    leaving: FxHashMap<&'a str, Vec<usize>>,
 }
 
 impl Replay<'_> {
@@ -219,9 +230,11 @@ impl Replay<'_> {
 
     fn check_position(&self, at: usize, position: &Position, cell: &Cell) -> Result<(), Fault> {
         let state = &self.recipe.states[position.recipe_state];
-        let leaving: Vec<usize> = (0..self.recipe.transitions.len())
-            .filter(|t| self.recipe.transitions[*t].from == *state)
-            .collect();
+        let leaving = self
+            .leaving
+            .get(state.as_str())
+            .cloned()
+            .unwrap_or_default();
         if !position
             .legs
             .iter()
@@ -412,9 +425,11 @@ fn sorted(mut parts: Vec<String>) -> Vec<String> {
 fn worst_case(recipe: &Recipe, controller: &Controller) -> u32 {
     let closes_loop = recipe.closes_loop();
     let mut longest = vec![0_u32; controller.positions.len()];
-    // Without the legs that close loops, a path visits each state of the recipe at most once.
-    for _ in 0..recipe.states.len() {
-        for at in 0..longest.len() {
+    // Without the legs that close loops, a path visits each state of the recipe at most once, so
+    // the lengths settle.
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
+        for at in (0..longest.len()).rev() {
             let legs = controller.positions[at].legs.iter();
             let each = legs.map(|leg| {
                 let rest = if closes_loop[leg.transition] {
@@ -424,7 +439,9 @@ fn worst_case(recipe: &Recipe, controller: &Controller) -> u32 {
                 };
                 leg.vectors.len() as u32 + rest
             });
-            longest[at] = each.max().unwrap_or(0);
+            let most = each.max().unwrap_or(0);
+            changed |= most != longest[at];
+            longest[at] = most;
         }
     }
     longest.first().copied().unwrap_or(0)

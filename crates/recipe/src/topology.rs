@@ -137,6 +137,9 @@ fn tabulate(layout: &Layout) -> (Vec<Table>, usize) {
     (choices, labels.len())
 }
 
+/// Receives the transitions and the next states of a combination.
+type Found<'f> = dyn FnMut(&[Option<u16>], &[u16]) + 'f;
+
 /// Combines the choices of all resources.
 struct Combiner {
     /// Next choice of each resource.
@@ -164,12 +167,7 @@ impl Combiner {
     }
 
     /// Calls `found` with each valid combination, as transitions and next states.
-    fn each(
-        &mut self,
-        choices: &[Table],
-        from: &[u16],
-        found: &mut dyn FnMut(&[Option<u16>], &[u16]),
-    ) {
+    fn each(&mut self, choices: &[Table], from: &[u16], found: &mut Found<'_>) {
         self.offered_until.fill(0);
         for (at, state) in from.iter().enumerate() {
             self.last_offers[at].clear();

@@ -321,7 +321,7 @@ fn limits_are_reported() {
     let outcome = realize(&pad::five(), &pad::hinge(false), limits);
     assert!(matches!(
         outcome,
-        Ok(Outcome::GaveUp(SearchSize { nodes: 51, .. }))
+        Ok(Outcome::GaveUp(SearchSize { nodes: 51.., .. }))
     ));
     let limits = SearchLimits {
         vectors: 50,

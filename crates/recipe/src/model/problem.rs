@@ -3,6 +3,14 @@
 /// A problem of a layout or a recipe. Its text has no place; whoever read the text adds that.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Problem {
+    /// There is more of something than the search can number.
+    #[error("there are more than {limit} {what}")]
+    TooLarge {
+        /// What, in the plural.
+        what: &'static str,
+        /// Maximum number.
+        limit: usize,
+    },
     /// The layout has no resources.
     #[error("the layout `{0}` has no resources")]
     EmptyLayout(String),

@@ -1,5 +1,7 @@
 //! Recipes: graphs of operations on parts.
 
+use rustc_hash::FxHashMap;
+
 /// A recipe of a product.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Recipe {
@@ -150,40 +152,62 @@ impl Recipe {
     /// start that takes transitions in their order, it enters a state whose search has not ended.
     ///
     /// Without them the recipe has no loop. Unknown states are ignored. Takes time proportional to
-    /// the product of the numbers of states and transitions.
+    /// the size of the recipe.
     pub fn closes_loop(&self) -> Vec<bool> {
-        let ends_of: Vec<_> = (self.transitions.iter())
-            .map(|t| (self.state(&t.from), self.state(&t.to)))
-            .collect();
-        let mut closing = vec![false; self.transitions.len()];
-        let Some(start) = self.state(&self.start) else {
-            return closing;
-        };
-        let (mut seen, mut open) = (
-            vec![false; self.states.len()],
-            vec![false; self.states.len()],
-        );
-        // Each entry is a state and its next transition.
-        let mut stack = vec![(start, 0)];
-        (seen[start], open[start]) = (true, true);
-        while let Some((state, next)) = stack.last_mut() {
-            let at = *next;
+        let roots: Vec<usize> = self.state(&self.start).into_iter().collect();
+        closing_edges(self.states.len(), &self.edges(), &roots)
+    }
+
+    /// Returns the states that each transition leaves and enters, if both are known.
+    pub(super) fn edges(&self) -> Vec<Option<(usize, usize)>> {
+        let mut numbers = FxHashMap::default();
+        for (number, name) in self.states.iter().enumerate() {
+            numbers.entry(name.as_str()).or_insert(number);
+        }
+        let number = |name: &String| numbers.get(name.as_str()).copied();
+        let edges = self
+            .transitions
+            .iter()
+            .map(|t| number(&t.from).zip(number(&t.to)));
+        edges.collect()
+    }
+}
+
+/// Returns, for each edge of a graph, whether it enters a node whose search has not ended, in a
+/// depth-first search from the roots in their order.
+pub(super) fn closing_edges(
+    nodes: usize,
+    edges: &[Option<(usize, usize)>],
+    roots: &[usize],
+) -> Vec<bool> {
+    let mut leaving: Vec<Vec<(usize, usize)>> = vec![Vec::new(); nodes];
+    for (number, edge) in edges.iter().enumerate() {
+        if let Some((from, to)) = edge {
+            leaving[*from].push((number, *to));
+        }
+    }
+    let mut closing = vec![false; edges.len()];
+    let (mut seen, mut open) = (vec![false; nodes], vec![false; nodes]);
+    for root in roots {
+        // Each entry is a node and its next edge.
+        let mut stack = Vec::new();
+        if !std::mem::replace(&mut seen[*root], true) {
+            open[*root] = true;
+            stack.push((*root, 0));
+        }
+        while let Some((node, next)) = stack.last_mut() {
+            let Some((number, to)) = leaving[*node].get(*next).copied() else {
+                open[*node] = false;
+                stack.pop();
+                continue;
+            };
             *next += 1;
-            match ends_of.get(at) {
-                None => {
-                    open[*state] = false;
-                    stack.pop();
-                }
-                Some((from, Some(to))) if *from == Some(*state) => {
-                    closing[at] = open[*to];
-                    if !seen[*to] {
-                        (seen[*to], open[*to]) = (true, true);
-                        stack.push((*to, 0));
-                    }
-                }
-                Some(_) => {}
+            closing[number] = open[to];
+            if !std::mem::replace(&mut seen[to], true) {
+                open[to] = true;
+                stack.push((to, 0));
             }
         }
-        closing
     }
+    closing
 }

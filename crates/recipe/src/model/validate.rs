@@ -1,7 +1,12 @@
 //! Validation: reports all problems at once, in the order of the text.
 
+use super::recipe::closing_edges;
 use super::{Action, Guard, Layout, Problem, Recipe, RecipeTransition, Resource};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// Maximum number of resources, of states and transitions of a resource or recipe, of parts, and of
+/// steps of a transition: the search stores them in 16 bits.
+const MAX_SIZE: usize = 60_000;
 
 /// Calls `report` with each name that has occurred before.
 fn repeated<'a>(names: impl Iterator<Item = &'a str>, mut report: impl FnMut(&'a str)) {
@@ -17,6 +22,7 @@ impl Layout {
     /// Returns all problems of the layout. Takes time proportional to its size.
     pub fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
+        too_large(&[("resources", self.resources.len())], &mut problems);
         if self.resources.is_empty() {
             problems.push(Problem::EmptyLayout(self.name.clone()));
         }
@@ -24,7 +30,7 @@ impl Layout {
             problems.push(Problem::DuplicateResource(name.to_owned()));
         });
         let mut offers: FxHashSet<(bool, &str, usize)> = FxHashSet::default();
-        let mut counts = rustc_hash::FxHashMap::<(bool, &str), usize>::default();
+        let mut counts = FxHashMap::<(bool, &str), usize>::default();
         for (at, resource) in self.resources.iter().enumerate() {
             for transition in &resource.transitions {
                 let (is_in, label) = match &transition.action {
@@ -63,6 +69,12 @@ impl Layout {
 impl Resource {
     fn add_problems(&self, problems: &mut Vec<Problem>) {
         let resource = || self.name.clone();
+        let sizes = [
+            ("states of a resource", self.states.len()),
+            ("transitions of a resource", self.transitions.len()),
+            ("parts of a resource", self.holds.len()),
+        ];
+        too_large(&sizes, problems);
         repeated(self.states.iter().map(|s| s.name.as_str()), |state| {
             problems.push(Problem::DuplicateResourceState {
                 resource: resource(),
@@ -116,20 +128,26 @@ impl Resource {
 }
 
 impl Recipe {
-    /// Returns all problems of the recipe. Takes time proportional to the product of the numbers
-    /// of states and transitions.
+    /// Returns all problems of the recipe. Takes time proportional to its size.
     pub fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
+        let sizes = [
+            ("parts", self.parts.len()),
+            ("states of the recipe", self.states.len()),
+            ("transitions of the recipe", self.transitions.len()),
+        ];
+        too_large(&sizes, &mut problems);
         repeated(self.parts.iter().map(|p| p.name.as_str()), |name| {
             problems.push(Problem::DuplicatePart(name.to_owned()));
         });
         repeated(self.states.iter().map(String::as_str), |name| {
             problems.push(Problem::DuplicateState(name.to_owned()));
         });
+        let known: FxHashSet<&str> = self.states.iter().map(String::as_str).collect();
         let mut missing = FxHashSet::default();
         let named = (self.transitions.iter()).flat_map(|t| [&t.from, &t.to]);
         for state in std::iter::once(&self.start).chain(named).chain(&self.ends) {
-            if self.state(state).is_none() && missing.insert(state) {
+            if !known.contains(state.as_str()) && missing.insert(state) {
                 problems.push(Problem::UnknownState(state.clone()));
             }
         }
@@ -145,65 +163,101 @@ impl Recipe {
                 problems.push(Problem::UnknownLeftover(name.clone()));
             }
         }
+        let parts: FxHashSet<&str> = self.parts.iter().map(|p| p.name.as_str()).collect();
+        let ends: FxHashSet<&str> = self.ends.iter().map(String::as_str).collect();
+        let mut leaving: FxHashMap<&str, Vec<&Guard>> = FxHashMap::default();
         for (number, transition) in self.transitions.iter().enumerate() {
-            self.add_transition_problems(number, transition, &mut problems);
+            transition.add_problems(number, &parts, &mut problems);
+            if ends.contains(transition.from.as_str()) {
+                problems.push(Problem::LeavesEnd {
+                    transition: number,
+                    state: transition.from.clone(),
+                });
+            }
+            leaving
+                .entry(&transition.from)
+                .or_default()
+                .push(&transition.guard);
         }
         for state in &self.states {
-            self.add_state_problems(state, &mut problems);
+            match leaving.get(state.as_str()) {
+                Some(guards) => add_guard_problems(state, guards, &mut problems),
+                None if ends.contains(state.as_str()) => {}
+                None => problems.push(Problem::NoWayOn(state.clone())),
+            }
         }
         if missing.is_empty() {
-            let reached = self.reached(|_| true, &self.start);
-            for state in self.states.iter().filter(|s| !reached.contains(s.as_str())) {
-                problems.push(Problem::Unreachable(state.clone()));
-            }
-            let idle = |t: &RecipeTransition| t.steps.is_empty();
-            for transition in self.transitions.iter().filter(|t| idle(t)) {
-                // One report for each state that such a loop enters by this transition.
-                if self
-                    .reached(idle, &transition.to)
-                    .contains(transition.from.as_str())
-                {
-                    problems.push(Problem::IdleLoop(transition.to.clone()));
-                }
-            }
+            self.add_graph_problems(&mut problems);
         }
         problems
     }
 
-    /// Returns the states that are reached from a state by the transitions that `along` selects.
-    fn reached<'a>(
-        &'a self,
-        along: impl Fn(&RecipeTransition) -> bool,
-        from: &'a str,
-    ) -> FxHashSet<&'a str> {
-        let mut reached = FxHashSet::from_iter([from]);
-        let mut open = vec![from];
+    /// Adds states that cannot be reached, and loops without operations.
+    fn add_graph_problems(&self, problems: &mut Vec<Problem>) {
+        let mut edges = self.edges();
+        let mut leaving: Vec<Vec<usize>> = vec![Vec::new(); self.states.len()];
+        for (from, to) in edges.iter().flatten() {
+            leaving[*from].push(*to);
+        }
+        let mut reached = vec![false; self.states.len()];
+        let mut open: Vec<usize> = self.state(&self.start).into_iter().collect();
         while let Some(state) = open.pop() {
-            for t in self
-                .transitions
-                .iter()
-                .filter(|t| t.from == state && along(t))
-            {
-                if reached.insert(&t.to) {
-                    open.push(&t.to);
-                }
+            if !std::mem::replace(&mut reached[state], true) {
+                open.extend(&leaving[state]);
             }
         }
-        reached
+        for (state, _) in self
+            .states
+            .iter()
+            .zip(&reached)
+            .filter(|(_, reached)| !**reached)
+        {
+            problems.push(Problem::Unreachable(state.clone()));
+        }
+        for (edge, transition) in edges.iter_mut().zip(&self.transitions) {
+            if !transition.steps.is_empty() {
+                *edge = None;
+            }
+        }
+        let roots: Vec<usize> = (0..self.states.len()).collect();
+        let closing = closing_edges(self.states.len(), &edges, &roots);
+        for (transition, _) in self
+            .transitions
+            .iter()
+            .zip(closing)
+            .filter(|(_, closes)| *closes)
+        {
+            problems.push(Problem::IdleLoop(transition.to.clone()));
+        }
     }
 
-    fn add_transition_problems(
-        &self,
-        number: usize,
-        transition: &RecipeTransition,
-        problems: &mut Vec<Problem>,
-    ) {
-        let mut missing = FxHashSet::default();
+    /// Returns the problems that the recipe has on a layout, beside those that each has alone.
+    pub fn problems_on(&self, layout: &Layout) -> Vec<Problem> {
+        let names: FxHashSet<&str> = layout.resources.iter().map(|r| r.name.as_str()).collect();
+        let mut problems = Vec::new();
+        for (number, transition) in self.transitions.iter().enumerate() {
+            let Guard::Test { at, .. } = &transition.guard else {
+                continue;
+            };
+            for resource in at.iter().filter(|r| !names.contains(r.as_str())) {
+                problems.push(Problem::UnknownTester {
+                    transition: number,
+                    resource: resource.clone(),
+                });
+            }
+        }
+        problems
+    }
+}
+
+impl RecipeTransition {
+    fn add_problems(&self, number: usize, known: &FxHashSet<&str>, problems: &mut Vec<Problem>) {
         let mut parts: Vec<&String> = Vec::new();
-        if let Guard::Test { inputs, .. } = &transition.guard {
+        if let Guard::Test { inputs, .. } = &self.guard {
             parts.extend(inputs);
         }
-        for (at, step) in transition.steps.iter().enumerate() {
+        too_large(&[("steps of a transition", self.steps.len())], problems);
+        for (at, step) in self.steps.iter().enumerate() {
             if step.operations.is_empty() {
                 problems.push(Problem::EmptyStep {
                     transition: number,
@@ -213,52 +267,34 @@ impl Recipe {
             let calls = step.operations.iter();
             parts.extend(calls.flat_map(|c| c.inputs.iter().chain(&c.outputs)));
         }
+        let mut missing = FxHashSet::default();
         for part in parts {
-            if self.part(part).is_none() && missing.insert(part) {
+            if !known.contains(part.as_str()) && missing.insert(part) {
                 problems.push(Problem::UnknownPart {
                     transition: number,
                     part: part.clone(),
                 });
             }
         }
-        if self.ends.contains(&transition.from) {
-            problems.push(Problem::LeavesEnd {
-                transition: number,
-                state: transition.from.clone(),
-            });
-        }
     }
+}
 
-    fn add_state_problems(&self, state: &str, problems: &mut Vec<Problem>) {
-        let leaving = || self.transitions.iter().filter(|t| t.from == state);
-        if leaving().next().is_none() {
-            if !self.ends.iter().any(|e| e == state) {
-                problems.push(Problem::NoWayOn(state.to_owned()));
-            }
-            return;
-        }
-        if leaving().all(|t| matches!(t.guard, Guard::Test { .. })) {
-            problems.push(Problem::NotCovered(state.to_owned()));
-        }
-        if leaving().filter(|t| t.guard == Guard::Otherwise).count() > 1 {
-            problems.push(Problem::TwoOtherwise(state.to_owned()));
-        }
+/// Adds the problems of the guards of the transitions that leave a state.
+fn add_guard_problems(state: &str, guards: &[&Guard], problems: &mut Vec<Problem>) {
+    if guards.iter().all(|g| matches!(g, Guard::Test { .. })) {
+        problems.push(Problem::NotCovered(state.to_owned()));
     }
+    if guards.iter().filter(|g| ***g == Guard::Otherwise).count() > 1 {
+        problems.push(Problem::TwoOtherwise(state.to_owned()));
+    }
+}
 
-    /// Returns the problems that the recipe has on a layout, beside those that each has alone.
-    pub fn problems_on(&self, layout: &Layout) -> Vec<Problem> {
-        let mut problems = Vec::new();
-        for (number, transition) in self.transitions.iter().enumerate() {
-            let Guard::Test { at, .. } = &transition.guard else {
-                continue;
-            };
-            for resource in at.iter().filter(|r| layout.resource(r).is_none()) {
-                problems.push(Problem::UnknownTester {
-                    transition: number,
-                    resource: resource.clone(),
-                });
-            }
-        }
-        problems
+/// Adds a problem for each number that is too large for the search.
+fn too_large(sizes: &[(&'static str, usize)], problems: &mut Vec<Problem>) {
+    for (what, _) in sizes.iter().filter(|(_, size)| *size > MAX_SIZE) {
+        problems.push(Problem::TooLarge {
+            what,
+            limit: MAX_SIZE,
+        });
     }
 }

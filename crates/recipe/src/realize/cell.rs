@@ -227,15 +227,18 @@ impl Cell {
                     .push((parts(inputs), at.collect()));
             }
         }
-        // Without the transitions that close loops, each round settles one state more.
-        for _ in 0..self.recipe_states.len() {
-            for state in 0..self.recipe_states.len() {
+        // Without the transitions that close loops, each round settles at least one state more.
+        let mut changed = true;
+        while std::mem::take(&mut changed) {
+            for state in (0..self.recipe_states.len()).rev() {
                 let leaving = self.recipe_states[state].leaving.iter();
                 let to_go = leaving.map(|w| {
                     let work = &self.works[*w as usize];
                     work.steps.len() as u32 + self.steps_after(work)
                 });
-                self.recipe_states[state].steps_to_go = to_go.max().unwrap_or(0);
+                let to_go = to_go.max().unwrap_or(0);
+                changed |= to_go != self.recipe_states[state].steps_to_go;
+                self.recipe_states[state].steps_to_go = to_go;
             }
         }
     }

@@ -5,6 +5,7 @@
 //! the recipe, the number of its steps that have been performed, and a configuration: one of the
 //! vectors has to lead on (OR). Each vector costs one, and everything else nothing.
 
+use super::SearchLimits;
 use super::cell::{Cell, Work};
 use super::moves::Moves;
 use crate::intern::Interner;
@@ -34,15 +35,10 @@ pub(super) struct Graph<'c> {
     queue: Vec<u32>,
     /// Number of tasks explored.
     done: usize,
+    /// Number of vectors tried.
+    pub vectors: usize,
     /// New nodes whose edges without cost have not been added.
     fresh: Vec<u32>,
-}
-
-/// Limits of the exploration.
-#[derive(Clone, Copy)]
-pub(super) struct Limits {
-    pub nodes: usize,
-    pub edges: usize,
 }
 
 impl<'c> Graph<'c> {
@@ -58,6 +54,7 @@ impl<'c> Graph<'c> {
             depth: Vec::new(),
             queue: Vec::new(),
             done: 0,
+            vectors: 0,
             fresh: Vec::new(),
         };
         graph.place(cell.start, &cell.configuration, 0);
@@ -68,11 +65,6 @@ impl<'c> Graph<'c> {
     /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.len()
-    }
-
-    /// Returns the number of edges.
-    pub fn edge_count(&self) -> usize {
-        self.edges.len()
     }
 
     /// Returns whether all that can be reached has been explored.
@@ -128,7 +120,7 @@ impl<'c> Graph<'c> {
 
     /// Explores until there are `until` nodes, or everything is explored, or a limit is reached.
     /// Returns whether it stopped at a limit.
-    pub fn explore(&mut self, moves: &mut Moves<'_>, until: usize, limits: Limits) -> bool {
+    pub fn explore(&mut self, moves: &mut Moves<'_>, until: usize, limits: SearchLimits) -> bool {
         let mut found: Vec<(u32, u8)> = Vec::new();
         while self.done < self.queue.len() && self.len() < until {
             let node = self.queue[self.done];
@@ -141,11 +133,12 @@ impl<'c> Graph<'c> {
                 &words[2..],
                 work.steps.get(step).map(Vec::as_slice),
                 &mut |vector, target, performs| {
+                    self.vectors += 1;
                     let next = self.arrive(number, step + usize::from(performs), target, depth);
                     if next != DEAD {
                         found.push((next, vector.len().min(255) as u8));
                     }
-                    self.len() <= limits.nodes && self.edges.len() + found.len() <= limits.edges
+                    self.len() <= limits.nodes && self.vectors <= limits.vectors
                 },
             );
             if !within {

@@ -28,10 +28,17 @@ use crate::controller::Controller;
 use crate::model::{Layout, Problem, Recipe};
 use cell::Cell;
 use evaluate::{NEVER, evaluate};
-use explore::{Graph, Limits};
+use explore::Graph;
 use extract::extract;
 use moves::{Moves, Stride};
 use rustc_hash::FxHashSet;
+
+/// Maximum number of decisions for each vector that may be tried. Most vectors need a few; only
+/// resources that may not wait, and that compete for a partner, make it many.
+const DECISIONS_PER_VECTOR: usize = 64;
+/// Part of the limits that trying whole vectors may use at first, where one event at a time could
+/// do.
+const FIRST_SHARE: usize = 64;
 
 /// Limits of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,16 +109,18 @@ pub enum Obstacle {
 pub struct SearchSize {
     /// Number of nodes.
     pub nodes: usize,
-    /// Number of vectors tried, apart from those that lead to no node.
+    /// Number of vectors tried.
     pub vectors: usize,
 }
 
 /// Decides whether a recipe can be made on a layout, and how with the least number of vectors in
 /// the worst case over the outcomes of the tests.
 ///
-/// If trying whole vectors reaches the limits without an answer, and every resource may wait in
-/// every state, the search is repeated with one event in each vector. Its verdict is right, but its
-/// controller does not have the least number of vectors.
+/// Whole vectors are tried. If every resource may wait in every state, vectors with one event are
+/// sufficient for the verdict; where the search outgrows a part of the limits, they are tried
+/// first. A controller that they give has more vectors than necessary
+/// ([`is_least`](Controller::is_least) is false); it is the result only if the search with whole
+/// vectors reaches the limits without an answer.
 ///
 /// The result is the same each time. Time and memory are proportional to the size of the search,
 /// which is exponential in the number of parts, and at worst in the number of resources.
@@ -136,6 +145,20 @@ pub fn realize(
         }));
     }
     let cell = Cell::new(layout, recipe);
+    if cell.all_may_wait() {
+        let share = SearchLimits {
+            nodes: limits.nodes / FIRST_SHARE,
+            vectors: limits.vectors / FIRST_SHARE,
+        };
+        let first = search(&cell, Stride::Vectors, Goal::Least, share);
+        if !stopped(&first) {
+            return Ok(first);
+        }
+        let verdict = search(&cell, Stride::Events, Goal::Verdict, limits);
+        if let Outcome::Unrealizable(_) = verdict {
+            return Ok(verdict);
+        }
+    }
     let outcome = search(&cell, Stride::Vectors, Goal::Least, limits);
     Ok(match outcome {
         Outcome::GaveUp(_) if cell.all_may_wait() => {
@@ -143,6 +166,15 @@ pub fn realize(
         }
         outcome => outcome,
     })
+}
+
+/// Returns whether a search has reached its limits.
+fn stopped(outcome: &Outcome) -> bool {
+    match outcome {
+        Outcome::Realizable(controller) => !controller.is_least,
+        Outcome::Unrealizable(_) => false,
+        Outcome::GaveUp(_) => true,
+    }
 }
 
 /// Returns all problems of a layout and a recipe.
@@ -184,18 +216,15 @@ enum Goal {
 fn search(cell: &Cell, stride: Stride, goal: Goal, limits: SearchLimits) -> Outcome {
     let mut graph = Graph::new(cell);
     let mut moves = Moves::new(cell, stride);
+    moves.effort = limits.vectors.saturating_mul(DECISIONS_PER_VECTOR);
     let has_loops = cell.works.iter().any(|w| w.closes_loop);
     let mut until = 512;
     loop {
-        let limits = Limits {
-            nodes: limits.nodes,
-            edges: limits.vectors,
-        };
         let stopped = graph.explore(&mut moves, until, limits);
         let is_complete = graph.is_complete();
         let size = SearchSize {
             nodes: graph.len(),
-            vectors: graph.edge_count(),
+            vectors: graph.vectors,
         };
         let evaluation = evaluate(&graph);
         let cost = evaluation.cost.first().copied().unwrap_or(NEVER);
@@ -203,6 +232,7 @@ fn search(cell: &Cell, stride: Stride, goal: Goal, limits: SearchLimits) -> Outc
             let is_proved = is_complete || (!has_loops && cost <= graph.least_unexplored());
             if is_proved || stopped || goal == Goal::Verdict {
                 let is_least = is_proved && stride == Stride::Vectors;
+                moves.effort = usize::MAX;
                 let controller = extract(&graph, &evaluation, &mut moves, is_least);
                 return Outcome::Realizable(controller);
             }

@@ -63,6 +63,8 @@ pub(super) struct Moves<'c> {
     pairs: Vec<(u16, u16)>,
     /// Decisions: a resource, its events (a range), and the next option.
     levels: Vec<(u16, usize, usize, usize)>,
+    /// Number of decisions that may still be made.
+    pub effort: usize,
 }
 
 /// Receives each vector with the next configuration and whether it performs the step. Returns
@@ -81,11 +83,13 @@ impl<'c> Moves<'c> {
             target: Vec::new(),
             pairs: Vec::new(),
             levels: Vec::new(),
+            effort: usize::MAX,
         }
     }
 
     /// Calls `sink` with each vector. `step` is the step that can be performed; with `None`, only
-    /// vectors without operations are found. Returns whether the sink wanted all of them.
+    /// vectors without operations are found. Returns whether the sink wanted all of them, and the
+    /// effort was sufficient.
     ///
     /// The order depends only on the cell and the configuration.
     pub fn each(&mut self, from: &[u16], step: Option<&[Call]>, sink: &mut Sink<'_>) -> bool {
@@ -236,9 +240,15 @@ impl<'c> Moves<'c> {
             }
             return true;
         }
-        self.find_levels(from);
+        if !self.find_levels(from) {
+            return true;
+        }
         let mut depth = 0;
         loop {
+            if self.effort == 0 {
+                return false;
+            }
+            self.effort -= 1;
             if depth == self.levels.len() {
                 let go_on = self.vector.is_empty() || self.emit(from, performs, sink);
                 if !go_on {
@@ -260,7 +270,8 @@ impl<'c> Moves<'c> {
     }
 
     /// Finds the resources that have to decide: those with events, and those that may not wait.
-    fn find_levels(&mut self, from: &[u16]) {
+    /// Returns whether each of the latter can do something.
+    fn find_levels(&mut self, from: &[u16]) -> bool {
         self.levels.clear();
         let mut at = 0;
         while at < self.events.len() {
@@ -275,12 +286,19 @@ impl<'c> Moves<'c> {
         let with_events = self.levels.len();
         for resource in &cell.restless {
             let state = from[*resource as usize];
-            let decides = || self.levels[..with_events].iter().any(|l| l.0 == *resource);
-            if !cell.states[*resource as usize][state as usize].may_wait && !decides() {
+            if cell.states[*resource as usize][state as usize].may_wait {
+                continue;
+            }
+            let involves = |e: &Event| e.taken().any(|t| t.resource == *resource);
+            if !self.busy[*resource as usize] && !self.events.iter().any(involves) {
+                return false;
+            }
+            if !self.levels[..with_events].iter().any(|l| l.0 == *resource) {
                 self.levels.push((*resource, 0, 0, 0));
             }
         }
         self.levels.sort_unstable();
+        true
     }
 
     /// Takes the next option of a level: first to wait, then its events. Returns whether there was

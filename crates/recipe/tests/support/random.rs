@@ -43,12 +43,12 @@ const TYPES: [&str; 3] = ["A", "B", "b"];
 
 /// Returns a layout of two to five resources.
 fn layout(random: &mut Random) -> Layout {
-    let labels = &["1", "2", "3"][..1 + random.below(3)];
+    let labels = &["1", "2", "3"][..=random.below(3)];
     // In some cells every resource may wait everywhere.
     let waits = [100, 90, 75][random.below(3)];
     let resources = (0..2 + random.below(4))
         .map(|at| {
-            let states: Vec<State> = (0..1 + random.below(3))
+            let states: Vec<State> = (0..=random.below(3))
                 .map(|s| State {
                     name: format!("s{s}"),
                     may_wait: random.percent(waits),
@@ -57,7 +57,7 @@ fn layout(random: &mut Random) -> Layout {
             let capacity = 1 + random.below(2);
             let mut transitions = Vec::new();
             for from in 0..states.len() {
-                for _ in 0..1 + random.below(3) {
+                for _ in 0..=random.below(3) {
                     let action = match random.below(10) {
                         0..4 => Action::Operation(random.name(&OPERATIONS)),
                         4 => Action::Internal("turn".to_owned()),
