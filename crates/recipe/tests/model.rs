@@ -315,16 +315,16 @@ fn the_parts_of_a_transfer_are_chosen() {
 #[test]
 fn limits_are_reported() {
     let limits = SearchLimits {
-        nodes: 50,
+        nodes: 20,
         ..SearchLimits::default()
     };
     let outcome = realize(&pad::five(), &pad::hinge(false), limits);
     assert!(matches!(
         outcome,
-        Ok(Outcome::GaveUp(SearchSize { nodes: 51.., .. }))
+        Ok(Outcome::GaveUp(SearchSize { nodes: 21.., .. }))
     ));
     let limits = SearchLimits {
-        vectors: 50,
+        vectors: 20,
         ..SearchLimits::default()
     };
     let outcome = realize(&pad::five(), &pad::hinge(false), limits);
