@@ -236,29 +236,31 @@ fn vectors(
     cell: &Cell,
     step: Option<&Step>,
 ) -> Vec<(Cell, bool)> {
-    let options = |(resource, (state, _)): (&Resource, &(String, Vec<String>))| {
-        let own = resource.transitions.iter().filter(|t| t.from == *state);
-        let mut options: Vec<Option<Transition>> = own.cloned().map(Some).collect();
+    fn options<'a>(resource: &'a Resource, state: &str) -> Vec<Option<&'a Transition>> {
+        let own = resource.transitions.iter().filter(|t| t.from == state);
+        let mut options: Vec<Option<&Transition>> = own.map(Some).collect();
         if resource
             .states
             .iter()
-            .any(|s| s.name == *state && s.may_wait)
+            .any(|s| s.name == state && s.may_wait)
         {
             options.push(None);
         }
         options
-    };
-    let lists: Vec<_> = layout.resources.iter().zip(cell).map(options).collect();
+    }
+    let lists: Vec<_> = (layout.resources.iter().zip(cell))
+        .map(|(resource, (state, _))| options(resource, state))
+        .collect();
     let mut found = Vec::new();
     for vector in combinations(&lists) {
         let select = |wanted: fn(&Action) -> bool| -> Vec<usize> {
-            let is = |n: &usize| vector[*n].as_ref().is_some_and(|t| wanted(&t.action));
+            let is = |n: &usize| vector[*n].is_some_and(|t| wanted(&t.action));
             (0..vector.len()).filter(is).collect()
         };
         let givers = select(|a| matches!(a, Action::Out(_)));
         let takers = select(|a| matches!(a, Action::In(_)));
         let performers = select(|a| matches!(a, Action::Operation(_)));
-        let label = |n: usize| vector[n].as_ref().and_then(|t| t.action.label());
+        let label = |n: usize| vector[n].and_then(|t| t.action.label());
         let partners =
             |n: usize, of: &[usize]| of.iter().filter(|m| label(**m) == label(n)).count();
         if !givers.iter().all(|n| partners(*n, &takers) == 1)
@@ -286,7 +288,7 @@ fn vectors(
                 }
                 for (n, call) in performers.iter().zip(&assignment) {
                     let call = &step.expect("there are calls").operations[*call];
-                    let named = vector[*n].as_ref().map(|t| &t.action);
+                    let named = vector[*n].map(|t| &t.action);
                     let Some(mut rest) = consume(recipe, cell, &cell[*n].1, &call.inputs) else {
                         continue 'parts;
                     };
