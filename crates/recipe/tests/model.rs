@@ -365,3 +365,40 @@ fn one_event_at_a_time_is_enough_where_all_may_wait() {
     assert_eq!(replay::verify(&layout, &recipe, &controller), Ok(()));
     assert_eq!((controller.worst_case, controller.is_least), (3, false));
 }
+
+/// Neither the length of a recipe nor the number of retractions is a depth of recursion.
+#[test]
+fn long_recipes_and_long_loops_are_searched() {
+    let length = 3_000;
+    let states: Vec<String> = (0..=length).map(|n| format!("q{n}")).collect();
+    let steps = || {
+        vec![
+            step(&[("make", &[], &["p"])]),
+            step(&[("use", &["p"], &[])]),
+        ]
+    };
+    let mut recipe = simple(&[("p", "P")], Vec::new());
+    recipe.transitions = (states.windows(2))
+        .map(|w| RecipeTransition::new(&w[0], &w[1], Guard::Always, steps()))
+        .collect();
+    recipe.start.clone_from(&states[0]);
+    recipe.ends = vec![states[length].clone()];
+    recipe.states = states;
+    let outcome = solve(&two_stations(), &recipe);
+    assert_eq!(worst_case(&outcome), Some(3 * length as u32));
+
+    // Parts are made, and never used, until the buffer is full.
+    let mut layout = two_stations();
+    layout.resources[1].capacity = 300;
+    let mut recipe = simple(&[("p", "P")], vec![step(&[("make", &[], &["p"])])]);
+    recipe.states.push("c".to_owned());
+    recipe.ends = vec!["c".to_owned()];
+    recipe.transitions.extend([
+        RecipeTransition::new("b", "a", Guard::test("more", &[]), Vec::new()),
+        RecipeTransition::new("b", "c", Guard::Otherwise, Vec::new()),
+    ]);
+    let Outcome::Unrealizable(refusal) = solve(&layout, &recipe) else {
+        panic!("the buffer is full at some time");
+    };
+    assert_eq!(refusal.furthest_steps[0], Some(0));
+}

@@ -266,3 +266,58 @@ fn random_repairs_equal_those_of_brute_force() {
     }
     println!("{tried} cells: {singles} single and {doubles} double repairs");
 }
+
+/// All pairs of one place for each of two missing operations, against brute force.
+#[test]
+#[ignore = "takes a minute"]
+fn two_missing_operations_are_found_together() {
+    let recipe = pad::hinge(false);
+    for pair in [["glue", "force"], ["load", "store"], ["insert", "engrave"]] {
+        let mut layout = pad::five();
+        let missing = pair.map(|name| Action::Operation(name.to_owned()));
+        for resource in &mut layout.resources {
+            resource
+                .transitions
+                .retain(|t| !missing.contains(&t.action));
+        }
+        let candidates = [
+            repair::routes(&layout),
+            repair::capacities(&layout),
+            repair::operations(&layout, &recipe),
+            repair::duplicates(&layout),
+        ]
+        .concat();
+        let adds = |change: &&Change, name: &str| matches!(change, Change::Operation { operation, .. } if operation == name);
+        let of = |name: &'static str| candidates.iter().filter(move |c| adds(c, name));
+        let mut expected = Vec::new();
+        for first in of(pair[0]) {
+            for second in of(pair[1]) {
+                let both = [first, second];
+                if is_realizable(&repair::apply(&layout, both.into_iter()), &recipe) {
+                    expected.push(both.map(Clone::clone));
+                }
+            }
+        }
+        let limits = SearchLimits::default();
+        let start = std::time::Instant::now();
+        let repairs = repair::repairs(&layout, &recipe, &candidates, 2, limits);
+        let repairs = repairs.expect("there are no problems");
+        println!(
+            "{pair:?}: {} repairs of {} candidates, {} searches, {:?}",
+            repairs.sets.len(),
+            candidates.len(),
+            repairs.searches,
+            start.elapsed()
+        );
+        assert!(repairs.is_complete);
+        assert_eq!(repairs.sets.len(), expected.len());
+        for set in &repairs.sets {
+            let reversed: Vec<Change> = set.iter().rev().cloned().collect();
+            assert!(
+                expected
+                    .iter()
+                    .any(|e| e[..] == set[..] || e[..] == reversed[..])
+            );
+        }
+    }
+}
