@@ -400,5 +400,5 @@ fn long_recipes_and_long_loops_are_searched() {
     let Outcome::Unrealizable(refusal) = solve(&layout, &recipe) else {
         panic!("the buffer is full at some time");
     };
-    assert_eq!(refusal.furthest_steps[0], Some(0));
+    assert_eq!(refusal.furthest_steps, [Some(1), Some(0), Some(0)]);
 }

@@ -37,6 +37,8 @@ pub(super) struct Graph<'c> {
     done: usize,
     /// Number of vectors tried.
     pub vectors: usize,
+    /// For each transition of the recipe, the most steps that were performed.
+    pub furthest_steps: Vec<Option<usize>>,
     /// New nodes whose edges without cost have not been added.
     fresh: Vec<u32>,
 }
@@ -55,6 +57,7 @@ impl<'c> Graph<'c> {
             queue: Vec::new(),
             done: 0,
             vectors: 0,
+            furthest_steps: vec![None; cell.works.len()],
             fresh: Vec::new(),
         };
         graph.place(cell.start, &cell.configuration, 0);
@@ -108,16 +111,6 @@ impl<'c> Graph<'c> {
         bound.min().unwrap_or(u32::MAX)
     }
 
-    /// Returns, for each transition of the recipe, the most steps that were performed.
-    pub fn furthest_steps(&self) -> Vec<Option<usize>> {
-        let mut furthest = vec![None; self.cell.works.len()];
-        for node in &self.queue {
-            let (work, step) = self.task_of(*node);
-            furthest[work] = furthest[work].max(Some(step));
-        }
-        furthest
-    }
-
     /// Explores until there are `until` nodes, or everything is explored, or a limit is reached.
     /// Returns whether it stopped at a limit.
     pub fn explore(&mut self, moves: &mut Moves<'_>, until: usize, limits: SearchLimits) -> bool {
@@ -156,6 +149,8 @@ impl<'c> Graph<'c> {
 
     /// Returns the node for a transition of the recipe of which some steps have been performed.
     fn arrive(&mut self, number: usize, steps: usize, configuration: &[u16], depth: u32) -> u32 {
+        let furthest = &mut self.furthest_steps[number];
+        *furthest = (*furthest).max(Some(steps));
         let work = &self.cell.works[number];
         let tested = !self.cell.recipe_states[work.to as usize].tests.is_empty();
         if steps == work.steps.len() && !tested {

@@ -74,8 +74,8 @@ pub enum Outcome {
 pub struct Refusal {
     /// Causes that can be told without a search. If there are any, there was none.
     pub obstacles: Vec<Obstacle>,
-    /// The most steps that could be performed of each transition of the recipe, whatever became of
-    /// the others; `None` if it could not even begin.
+    /// The most steps that could be performed of each transition of the recipe, whatever happens
+    /// afterward; `None` if the recipe cannot get to it.
     pub furthest_steps: Vec<Option<usize>>,
     /// Size of the search. It was complete, which proves the answer.
     pub size: SearchSize,
@@ -239,7 +239,7 @@ fn search(cell: &Cell, stride: Stride, goal: Goal, limits: SearchLimits) -> Outc
         } else if is_complete {
             return Outcome::Unrealizable(Refusal {
                 obstacles: Vec::new(),
-                furthest_steps: graph.furthest_steps(),
+                furthest_steps: graph.furthest_steps,
                 size,
             });
         }
