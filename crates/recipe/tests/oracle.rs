@@ -7,7 +7,7 @@
 
 mod support;
 
-use linewright_recipe::realize::{Outcome, SearchLimits, realize};
+use linewright_recipe::realize::{Outcome, SearchLimits, is_realizable, realize};
 use linewright_recipe::replay;
 use support::mutants;
 use support::naive::{self, Answer};
@@ -32,6 +32,9 @@ fn the_search_agrees_with_the_oracle() {
         let answer = naive::decide(&layout, &recipe, max_nodes);
         let outcome = realize(&layout, &recipe, SearchLimits::default());
         let outcome = outcome.unwrap_or_else(|problems| panic!("{seed}: {problems:?}"));
+        let verdict = is_realizable(&layout, &recipe, SearchLimits::default());
+        let expected = matches!(outcome, Outcome::Realizable(_));
+        assert_eq!(verdict, Ok(Some(expected)), "{seed}");
         if answer == Answer::TooLarge {
             skipped += 1;
             continue;

@@ -22,7 +22,7 @@ pub struct Recipe {
     pub transitions: Vec<RecipeTransition>,
 }
 
-/// A part of a recipe. Parts with the same name cannot be told apart.
+/// A part of a recipe. Parts with the same name are interchangeable.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Part {
     /// Name, unique in the recipe.

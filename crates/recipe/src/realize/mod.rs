@@ -11,12 +11,12 @@
 //! - If a resource holds several parts, each is tried; an empty resource cannot give; capacities
 //!   are respected; parts that remain at an end have to be allowed.
 //! - A test costs no vector. It changes nothing, whatever its outcome.
-//! - Parts with the same name are not told apart.
+//! - Parts with the same name are interchangeable.
 //!
 //! The search explores forward, breadth first, and evaluates backward each time that the graph has
 //! doubled. It stops as soon as nothing unexplored can be better; with loops, when all is explored.
-//! A depth-first AND-OR search was dropped: it needs fewer nodes for a verdict, but has to explore
-//! the same graph to find the least number of vectors.
+//! A depth-first AND-OR search might need fewer nodes for a verdict, but not to prove that a number
+//! of vectors is the least.
 
 mod cell;
 mod evaluate;
@@ -72,7 +72,7 @@ pub enum Outcome {
 /// Why a recipe cannot be made.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refusal {
-    /// Causes that can be told without a search. If there are any, there was none.
+    /// Causes that are found without a search. If there are any, there was no search.
     pub obstacles: Vec<Obstacle>,
     /// The most steps that could be performed of each transition of the recipe, whatever happens
     /// afterward; `None` if the recipe cannot get to it.
@@ -81,7 +81,7 @@ pub struct Refusal {
     pub size: SearchSize,
 }
 
-/// Cause that can be told without a search.
+/// Cause that is found without a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Obstacle {
     /// No resource performs an operation.
@@ -168,6 +168,23 @@ pub fn realize(
     })
 }
 
+/// Decides whether a recipe can be made on a layout; `None` if the search reaches its limits. This
+/// needs less time than [`realize`], which also finds the least number of vectors.
+///
+/// # Errors
+/// All problems of the layout and the recipe, if any of them is more than a warning.
+pub fn is_realizable(
+    layout: &Layout,
+    recipe: &Recipe,
+    limits: SearchLimits,
+) -> Result<Option<bool>, Vec<Problem>> {
+    let problems = problems(layout, recipe);
+    if problems.iter().any(|p| !p.is_warning()) {
+        return Err(problems);
+    }
+    Ok(decide(layout, recipe, limits))
+}
+
 /// Returns whether a search has reached its limits.
 fn stopped(outcome: &Outcome) -> bool {
     match outcome {
@@ -250,7 +267,7 @@ fn search(cell: &Cell, stride: Stride, goal: Goal, limits: SearchLimits) -> Outc
     }
 }
 
-/// Returns the causes that can be told without a search. They are exact: since every transition of
+/// Returns the causes that are found without a search. They are exact: since every transition of
 /// the recipe that can be reached has to be realized, one of them suffices.
 fn obstacles(layout: &Layout, recipe: &Recipe) -> Vec<Obstacle> {
     let unreachable: FxHashSet<String> = (recipe.problems().into_iter())
@@ -282,9 +299,9 @@ fn obstacles(layout: &Layout, recipe: &Recipe) -> Vec<Obstacle> {
         .map(String::as_str)
         .collect();
     let mut obstacles = Vec::new();
-    let mut told = FxHashSet::default();
+    let mut named = FxHashSet::default();
     for (transition, step, call) in calls() {
-        if !performed.contains(call.name.as_str()) && told.insert(&call.name) {
+        if !performed.contains(call.name.as_str()) && named.insert(&call.name) {
             obstacles.push(Obstacle::NoPerformer {
                 transition,
                 step,
@@ -294,7 +311,7 @@ fn obstacles(layout: &Layout, recipe: &Recipe) -> Vec<Obstacle> {
         for part in &call.inputs {
             let kind = recipe.part(part).map_or("", |p| &recipe.parts[p].kind);
             let has_source = sources.contains(part.as_str()) || sources.contains(kind);
-            if !has_source && told.insert(part) {
+            if !has_source && named.insert(part) {
                 obstacles.push(Obstacle::NoSource {
                     transition,
                     step,
