@@ -209,15 +209,71 @@ pub(crate) fn decide(layout: &Layout, recipe: &Recipe, limits: SearchLimits) -> 
         return Some(false);
     }
     let cell = Cell::new(layout, recipe);
-    let stride = if cell.all_may_wait() {
-        Stride::Events
-    } else {
-        Stride::Vectors
-    };
-    match search(&cell, stride, Goal::Verdict, limits) {
+    match search(&cell, verdict_stride(&cell), Goal::Verdict, limits) {
         Outcome::Realizable(_) => Some(true),
         Outcome::Unrealizable(_) => Some(false),
         Outcome::GaveUp(_) => None,
+    }
+}
+
+/// Where resources could do more than they can.
+pub(crate) struct Reached<'r> {
+    /// Resources and their states where they hold a part.
+    pub holding: FxHashSet<(usize, usize)>,
+    /// Resources and their states where they hold the inputs of an operation that is asked for.
+    pub asked: FxHashSet<(usize, usize, &'r str)>,
+}
+
+/// Explores all that can happen, and collects where resources hold parts; `None` if this reaches
+/// the limits. Layout and recipe must not have problems other than warnings.
+pub(crate) fn reached<'r>(
+    layout: &Layout,
+    recipe: &'r Recipe,
+    limits: SearchLimits,
+) -> Option<Reached<'r>> {
+    let cell = Cell::new(layout, recipe);
+    let mut graph = Graph::new(&cell);
+    let mut moves = Moves::new(&cell, verdict_stride(&cell));
+    moves.effort = limits.vectors.saturating_mul(DECISIONS_PER_VECTOR);
+    if graph.explore(&mut moves, usize::MAX, limits) {
+        return None;
+    }
+    let mut reached = Reached {
+        holding: FxHashSet::default(),
+        asked: FxHashSet::default(),
+    };
+    for node in 0..graph.len() as u32 {
+        let (states, held) = graph.configuration(node).split_at(cell.resources());
+        for pair in held.chunks_exact(2) {
+            let state = states[pair[0] as usize];
+            reached.holding.insert((pair[0] as usize, state as usize));
+        }
+        if graph.place_of(node).is_some() {
+            continue;
+        }
+        let (number, step) = graph.task_of(node);
+        let Some(calls) = cell.works[number].steps.get(step) else {
+            continue;
+        };
+        let operations = &recipe.transitions[number].steps[step].operations;
+        for (call, operation) in calls.iter().zip(operations) {
+            for (resource, state) in states.iter().enumerate() {
+                if cell.holds(resource as u16, &call.inputs, held) {
+                    let asked = (resource, *state as usize, operation.name.as_str());
+                    reached.asked.insert(asked);
+                }
+            }
+        }
+    }
+    Some(reached)
+}
+
+/// Returns the vectors that suffice for a verdict.
+fn verdict_stride(cell: &Cell) -> Stride {
+    if cell.all_may_wait() {
+        Stride::Events
+    } else {
+        Stride::Vectors
     }
 }
 

@@ -40,18 +40,6 @@ pub enum Change {
     },
 }
 
-impl Change {
-    /// Returns what changes have in common that are tried together first.
-    pub(super) fn group(&self) -> (u8, &str) {
-        match self {
-            Self::Route { resource, .. } => (0, resource),
-            Self::Capacity { .. } => (1, ""),
-            Self::Operation { operation, .. } => (2, operation),
-            Self::Duplicate { .. } => (3, ""),
-        }
-    }
-}
-
 /// Returns the layout with some changes. Duplicates are made last, so they have the others. What
 /// the layout does not have is ignored.
 pub fn apply<'a>(layout: &Layout, changes: impl Iterator<Item = &'a Change>) -> Layout {
