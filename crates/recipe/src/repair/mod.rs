@@ -3,8 +3,9 @@
 //! Sets of changes are tried in order of size. A set that does not suffice is extended by each
 //! change that is *usable* with it: the search reaches a configuration where the new transition
 //! could be taken. No repair is missed: when a controller uses one of the changes that the set
-//! lacks for the first time, it has come there without them. (Whether a larger capacity or a
-//! duplicate is usable is not examined; they always count as usable.)
+//! lacks for the first time, it has come there without them. Whether a larger capacity or a
+//! duplicate is usable is not examined; they always count as usable. So does every change once a
+//! set has a duplicate, since the duplicate and its routes get the other changes, too.
 
 mod changes;
 
@@ -68,7 +69,12 @@ pub fn repairs(
                 continue;
             }
             repairs.searches += 1;
-            let reached = reached(&changed, recipe, limits);
+            let is_copied = |c: &usize| matches!(candidates[*c], Change::Duplicate { .. });
+            let reached = if set.iter().any(is_copied) {
+                None
+            } else {
+                reached(&changed, recipe, limits)
+            };
             for (candidate, change) in candidates.iter().enumerate() {
                 let is_usable = reached.as_ref().is_none_or(|r| usable(change, &changed, r));
                 if is_usable && !set.contains(&candidate) {
