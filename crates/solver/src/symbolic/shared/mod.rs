@@ -41,8 +41,8 @@ const USUAL_NODES: u64 = 1 << 27;
 /// Minimum useful capacity of the store in nodes.
 const MIN_NODES: u64 = 1 << 16;
 
-/// Maximum number of cache entries. A larger cache costs more than it saves: every collection clears it,
-/// and it no longer fits into the processor's caches.
+/// Maximum number of cache entries. A larger cache costs more than it saves: every collection
+/// clears it, and it no longer fits into the processor's caches.
 const LARGE_CACHE: usize = 1 << 18;
 
 /// Maximum number of cache entries for at most [`FEW_PAIRS`] pairs, if only memory is limited.
