@@ -111,7 +111,7 @@ fn the_naive_oracle_says_the_same() {
 
 /// Measures large layouts. A release build may take 50 ms for 50 resources, and 500 ms for 100.
 #[test]
-#[ignore = "measures times"]
+#[ignore = "measures: cargo test --release -p linewright-recipe --test pad -- --ignored --nocapture"]
 fn large_layouts() {
     for resources in [5, 6, 10, 20, 50, 100] {
         let layout = pad::layout(resources);

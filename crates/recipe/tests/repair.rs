@@ -269,7 +269,7 @@ fn random_repairs_equal_those_of_brute_force() {
 
 /// All pairs of one place for each of two missing operations, against brute force.
 #[test]
-#[ignore = "takes some seconds in a release build"]
+#[ignore = "takes seconds: cargo test --release -p linewright-recipe --test repair -- --ignored"]
 fn two_missing_operations_are_found_together() {
     let recipe = pad::hinge(false);
     for pair in [["glue", "force"], ["load", "store"], ["insert", "engrave"]] {

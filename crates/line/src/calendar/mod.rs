@@ -32,8 +32,6 @@ pub struct Calendar<E> {
     order: u32,
     /// Number of next events.
     near: usize,
-    /// Number of events other than the next ones.
-    others: usize,
     /// Later events than the next ones, as a heap in which an entry has [`CHILDREN`].
     heap: Vec<Entry<E>>,
     /// All other events, each later than the next ones.
@@ -73,7 +71,6 @@ impl<E: Copy> Calendar<E> {
             events: [None; NEAR],
             order: SLOTS,
             near: 0,
-            others: 0,
             heap: Vec::new(),
             year: Year::new(),
             scheduled: 0,
@@ -94,7 +91,7 @@ impl<E: Copy> Calendar<E> {
         let order = u64::from(priority) << NUMBER_BITS | self.scheduled;
         self.scheduled += 1;
         let key = u128::from(time.to_bits()) << 64 | u128::from(order);
-        if self.others == 0 {
+        if self.others() == 0 {
             self.put_near(key, event);
         } else {
             self.put_among(Entry { key, event });
@@ -111,7 +108,7 @@ impl<E: Copy> Calendar<E> {
         self.events[next] = None;
         self.order = self.order.rotate_right(DIGIT_BITS);
         self.near -= 1;
-        if self.near == 0 && self.others > 0 {
+        if self.near == 0 && self.others() > 0 {
             self.bring_near(time_of(key));
         }
         Some((time_of(key), event))
@@ -125,7 +122,13 @@ impl<E: Copy> Calendar<E> {
 
     /// Number of events.
     pub fn len(&self) -> usize {
-        self.near + self.others
+        self.near + self.others()
+    }
+
+    /// Number of events other than the next ones.
+    #[inline]
+    fn others(&self) -> usize {
+        self.heap.len() + self.year.len()
     }
 
     /// Whether there are no events.
@@ -139,9 +142,7 @@ impl<E: Copy> Calendar<E> {
         if self.year.has_begun() {
             let day = self.year.day_of(entry.key);
             if self.year.is_later(day) {
-                if self.year.note(day, entry) {
-                    self.others += 1;
-                } else {
+                if !self.year.note(day, entry) {
                     self.push(entry);
                 }
                 return;
@@ -195,7 +196,7 @@ impl<E: Copy> Calendar<E> {
             }
             _ => self.push(Entry { key, event }),
         }
-        if self.others == 1 {
+        if self.others() == 1 {
             // Until now, events of any day were near.
             let day = self.year.day_of(self.heap[0].key);
             self.year.advance(day);
@@ -206,8 +207,9 @@ impl<E: Copy> Calendar<E> {
     /// time of the event that was taken last.
     #[inline(never)]
     fn bring_near(&mut self, now: f64) {
-        let happened = self.scheduled - self.others as u64;
-        if self.year.is_outdated(self.others, happened) {
+        let others = self.others();
+        let happened = self.scheduled - others as u64;
+        if self.year.is_outdated(others, happened) {
             self.begin_year(now);
         }
         if !self.year.has_begun() {
@@ -226,13 +228,11 @@ impl<E: Copy> Calendar<E> {
         self.year.advance(day);
         if first == Some(day) || self.year.has_more(day, NEAR) {
             while let Some(entry) = self.year.take(day) {
-                self.others -= 1;
                 self.push(entry);
             }
             return self.bring_first(day);
         }
         while let Some(Entry { key, event }) = self.year.take(day) {
-            self.others -= 1;
             self.insert(key, event);
             self.near += 1;
         }
@@ -269,7 +269,6 @@ impl<E: Copy> Calendar<E> {
         let mut entries = std::mem::take(&mut self.heap);
         self.year.end(&mut entries);
         self.year.begin(&mut entries, now);
-        self.others = self.year.len();
         for entry in entries {
             self.push(entry);
         }
@@ -279,7 +278,6 @@ impl<E: Copy> Calendar<E> {
     /// of the heap, and the last entry comes up from there: it mostly belongs near the end.
     fn pop(&mut self) -> Option<Entry<E>> {
         let last = self.heap.pop()?;
-        self.others -= 1;
         let Some(&first) = self.heap.first() else {
             return Some(last);
         };
@@ -303,7 +301,6 @@ impl<E: Copy> Calendar<E> {
     #[inline(never)]
     fn push(&mut self, entry: Entry<E>) {
         let gap = self.heap.len();
-        self.others += 1;
         self.heap.push(entry);
         rise(&mut self.heap, gap, entry);
     }

@@ -80,7 +80,7 @@ struct Context {
     kept: Place,
     /// Place of the justice formulas in [`Check::met`]: the environment's, then the machine's.
     met: Place,
-    /// The guarantees.
+    /// The remaining guarantees, in the order of their names.
     guarantees: Vec<Id>,
 }
 
