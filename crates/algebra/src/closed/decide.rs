@@ -81,7 +81,9 @@ impl ClosedDecider<'_> {
 
     fn safety(&mut self, all: [usize; 2]) -> Result<(), Limit> {
         let (keep, last) = (self.book.keep.clone(), self.book.last.clone());
-        let sound = self.is_sound_by_component(&keep)? || !self.can_break(&keep, &last, all)?;
+        let sound = self.is_sound_by_proof()
+            || self.is_sound_by_component(&keep)?
+            || !self.can_break(&keep, &last, all)?;
         let obligations = std::mem::take(&mut self.book.obligations);
         for (place, obligation) in obligations.iter().enumerate() {
             let broken = if sound {
@@ -114,6 +116,14 @@ impl ClosedDecider<'_> {
             }
         }
         Ok(false)
+    }
+
+    /// Whether it is known that no error can occur: safety was proved from the contracts, and every
+    /// component that answers first has outputs in all its states.
+    fn is_sound_by_proof(&self) -> bool {
+        let mut obligations = self.book.obligations.iter();
+        self.closed.known.safety
+            && obligations.all(|o| o.kind != StepObligation::HasOutputs || o.condition.is_true())
     }
 
     /// Whether each component's obligations are met even if the components that it does not wait
@@ -265,7 +275,7 @@ impl ClosedDecider<'_> {
             let (known, unknown): (Vec<_>, Vec<_>) = justice
                 .assumed
                 .iter()
-                .partition(|(at, _)| self.closed.known.contains(at));
+                .partition(|(at, _)| self.closed.known.justice.contains(at));
             if unknown.is_empty() {
                 self.reliable.insert(component);
             }
@@ -331,9 +341,14 @@ impl ClosedDecider<'_> {
     // ---- goals ----------------------------------------------------------------------------------
 
     fn goals(&mut self) -> Result<(), Limit> {
+        let sound = self.is_sound_by_proof();
         for (at, rule) in self.book.goals.clone() {
+            if sound && at.kind != FormulaKind::Justice {
+                self.record_met(at);
+                continue;
+            }
             if at.kind == FormulaKind::Justice {
-                let known = self.closed.known.contains(&at);
+                let known = self.closed.known.justice.contains(&at);
                 let lasso = if known { None } else { self.starved(rule)? };
                 match lasso {
                     None => self.record_met(at),

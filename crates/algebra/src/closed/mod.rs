@@ -64,6 +64,16 @@ pub struct Participant {
     pub first: usize,
 }
 
+/// Obligations that follow from a proof from the contracts.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Known {
+    /// Whether all safety assumptions of components are kept as long as all components answer, and
+    /// with them the safety of the goal.
+    pub safety: bool,
+    /// Justice that holds on all runs without errors.
+    pub justice: BTreeSet<FormulaRef>,
+}
+
 /// A machine whose components are represented by their controllers, and a claim about it.
 #[derive(Debug)]
 pub struct ClosedComposition<'a> {
@@ -81,9 +91,8 @@ pub struct ClosedComposition<'a> {
     /// Variables that check that operations run the actions they name. Only for a machine with
     /// operations, built with [`ClosedComposition::of_machine`].
     pub watch: Option<Watch>,
-    /// Justice that is known to hold on all runs without errors; see
-    /// [`ClosedComposition::knowing`].
-    pub known: BTreeSet<FormulaRef>,
+    /// What follows from a proof; see [`ClosedComposition::knowing`].
+    pub known: Known,
 }
 
 /// How an obligation of a closed composition is met.
@@ -247,24 +256,28 @@ impl<'a> ClosedComposition<'a> {
             claim,
             participants,
             watch,
-            known: BTreeSet::new(),
+            known: Known::default(),
         }
     }
 
-    /// Takes over the justice that was proved from the contracts, for the same system and claim: it
-    /// is not decided again. On a run without errors, the tables keep the guarantees of their
-    /// contracts, against which they were verified, and all safety assumptions are kept. The proof
-    /// goes in turns, so the justice guarantees that it relies on are those of components whose
-    /// justice assumptions it has discharged before. Hence what it shows for all controllers holds
-    /// for these.
+    /// Takes over what was proved from the contracts, step by step, for the same system and claim:
+    /// it is not decided again. What holds for all controllers that keep the contracts holds for
+    /// these, which were verified against them.
     ///
-    /// Safety is not taken over, because a step can also fail for lack of a row.
+    /// - Justice: the proof goes in turns, so the justice guarantees that it relies on are those of
+    ///   components whose justice assumptions it has discharged before.
+    /// - Safety, if the whole proof succeeded: a verified table has a row for all inputs that keep
+    ///   the assumptions. Only whether a component that answers first has outputs is still open,
+    ///   because contracts do not say what happens where no inputs keep the assumptions.
     #[must_use]
     pub fn knowing(mut self, proof: &Proof) -> Self {
         let shown = proof.discharges.iter();
         let shown = shown
             .filter(|d| d.what.kind == FormulaKind::Justice && d.rule != DischargeRule::Exported);
-        self.known = shown.map(|d| d.what).collect();
+        self.known = Known {
+            safety: proof.holds(),
+            justice: shown.map(|d| d.what).collect(),
+        };
         self
     }
 
