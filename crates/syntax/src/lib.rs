@@ -3,6 +3,10 @@
 //! [`parse`] always returns a tree and a list of findings, and does not panic on any text. The
 //! crate `language` resolves the names.
 
+// What pest generates without its feature `std` names this crate. The feature measures the rest of
+// the stack at every rule; this parser bounds the depth of a text instead.
+extern crate alloc;
+
 pub mod ast;
 mod binds;
 mod build;
