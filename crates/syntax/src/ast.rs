@@ -1,10 +1,16 @@
 //! Syntax trees of the text as written, with places in the file and without name lookup.
 
 mod flow;
+mod recipe;
 mod skills;
 mod time;
 
 pub use flow::{BufferOrder, Copies, Stop, StopChoice};
+pub use recipe::{
+    ActionKind, CountedName, Dock, Layout, LayoutItem, PartCapacity, Realize, Recipe, RecipeCall,
+    RecipeGuard, RecipeItem, RecipePart, RecipeTransition, Resource, ResourceAction, ResourceItem,
+    Transport, TransportRoute,
+};
 pub use skills::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, Situation, Skill, SkillCalls,
     SkillComponent, SkillItem, SkillSet, Times,
@@ -54,6 +60,12 @@ pub enum Item {
     Line(Line),
     /// `skills ...`
     Skills(SkillSet),
+    /// `layout ...`
+    Layout(Layout),
+    /// `recipe ...`
+    Recipe(Recipe),
+    /// `realize ...`
+    Realize(Realize),
 }
 
 /// `import "a.lw"` or `import std.handling.turn`.

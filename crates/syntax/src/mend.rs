@@ -3,7 +3,7 @@
 //! The grammar recovers from mistakes within an item, but not from a brace that is never closed.
 //! Everything after such a brace would be part of one broken item, and the repeated search for its
 //! end would take exponential time. This scan finds the brace, reports it, and returns a *mended
-//! copy* in which blanks before the next contract, machine or line are replaced by the missing `}`.
+//! copy* in which blanks before the next declaration with braces are replaced by the missing `}`.
 //! All other bytes keep their offsets, so places in the copy are places in the file.
 //!
 //! The scan also computes an upper bound of the grammar's recursion depth. The bound is safe for
@@ -168,6 +168,15 @@ pub fn declares_skill_set(rest: &str) -> bool {
     after.is_some_and(|after| !after.trim_start().starts_with('='))
 }
 
+/// Returns whether the text after the word `layout` or `recipe` declares one: a name, and a brace
+/// that is not the number of repetitions of a skill, as in `Up{2}`.
+fn declares_block(rest: &str) -> bool {
+    skills_head(rest).is_some_and(|brace| {
+        let within = rest[brace + 1..].trim_start();
+        !within.starts_with(|c: char| c.is_ascii_digit())
+    })
+}
+
 /// Returns whether the text after the word `skills`, outside of all braces, begins a set of skills:
 /// a name and a brace.
 pub fn begins_skill_set(rest: &str) -> bool {
@@ -242,6 +251,7 @@ impl Scanner<'_> {
             "contract" | "moore" | "line" | "import" => !is_meant_as_name(rest),
             "machine" => !declares_inner_machine(rest) && !is_meant_as_name(rest),
             "skills" => declares_skill_set(rest),
+            "layout" | "recipe" => declares_block(rest),
             _ => false,
         };
         if begins_item && self.line_start {

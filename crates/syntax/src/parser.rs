@@ -6,6 +6,7 @@
 //! place.
 
 mod lines;
+mod recipes;
 mod skills;
 
 use super::ast::File;
@@ -175,7 +176,9 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return Diagnostic::error(codes::SYNTAX, span, "times of day are hours after midnight")
             .with_help("write `shift 6 h to 14 h`; half past six is `6.5 h`");
     }
-    if let Some(finding) = lines::explain(file, start, text, context) {
+    if let Some(finding) = lines::explain(file, start, text, context)
+        .or_else(|| recipes::explain(file, start, text, context))
+    {
         return finding;
     }
     let rule = match (context, first.as_str()) {
@@ -187,6 +190,10 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         (Rule::bad_item, "machine") => Some(Rule::only_machine),
         (Rule::bad_item, "line") => Some(Rule::only_line),
         (Rule::bad_item, "skills") => Some(Rule::only_skills),
+        (Rule::bad_item, "layout") => Some(Rule::only_layout),
+        (Rule::bad_item, "recipe") => Some(Rule::only_recipe),
+        (Rule::bad_item, "realize") => Some(Rule::only_realize),
+        (Rule::bad_layout_item, "resource" | "transport" | "at") => Some(Rule::only_layout_item),
         (Rule::bad_contract_item, "input" | "output" | "internal") => Some(Rule::only_variables),
         (Rule::bad_contract_item, "counter") => Some(Rule::only_counter),
         (Rule::bad_contract_item, "assume" | "guarantee") => Some(Rule::only_formula),
@@ -454,6 +461,10 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
                 "const",
             ],
         ),
+        Rule::bad_layout_item
+        | Rule::bad_resource_item
+        | Rule::bad_transport_item
+        | Rule::bad_recipe_item => recipes::allowed(context),
         Rule::bad_skills_item => ("a set of skills", &["component", "order"]),
         Rule::bad_skill_call => ("the skills of a machine", &["Skill = ..."]),
         Rule::bad_station_item => (
@@ -474,6 +485,7 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
             "a file",
             &[
                 "import", "type", "const", "define", "contract", "machine", "line", "skills",
+                "layout", "recipe", "realize",
             ],
         ),
     }
@@ -761,7 +773,7 @@ fn expectations(rules: &[Rule]) -> String {
             Rule::at_most => "`at most`",
             Rule::date => "a date such as `2026-12-24`",
             Rule::the_line => "`the line`",
-            other => match skills::phrase(*other) {
+            other => match skills::phrase(*other).or_else(|| recipes::phrase(*other)) {
                 Some(phrase) => phrase,
                 None => continue,
             },

@@ -1,6 +1,7 @@
 //! Removes the source positions from syntax trees, so that the content of two texts can be
 //! compared.
 
+mod recipe;
 mod skills;
 
 use super::ast::{
@@ -28,6 +29,9 @@ impl File {
                 Item::Machine(m) => machine(m),
                 Item::Line(l) => line(l),
                 Item::Skills(s) => skills::skills(s),
+                Item::Layout(l) => recipe::layout(l),
+                Item::Recipe(r) => recipe::recipe(r),
+                Item::Realize(r) => recipe::realize(r),
             }
         }
         self

@@ -9,6 +9,7 @@ mod expression;
 mod line;
 mod machine;
 mod pattern;
+mod recipe;
 mod skills;
 
 use super::ast::{
@@ -125,6 +126,18 @@ impl Builder {
                 Rule::skills => {
                     let item = self.skills(pair);
                     self.tree.items.push(Item::Skills(item));
+                }
+                Rule::layout => {
+                    let item = self.layout(pair);
+                    self.tree.items.push(Item::Layout(item));
+                }
+                Rule::recipe => {
+                    let item = self.recipe(pair);
+                    self.tree.items.push(Item::Recipe(item));
+                }
+                Rule::realize => {
+                    let item = self.realize(pair);
+                    self.tree.items.push(Item::Realize(item));
                 }
                 Rule::bad_item => self.bad(&pair),
                 _ => {}
@@ -365,12 +378,14 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_deletes
             | Rule::k_done
             | Rule::k_else
+            | Rule::k_end
             | Rule::k_every
             | Rule::k_failures
             | Rule::k_finish
             | Rule::k_first
             | Rule::k_from
             | Rule::k_guarantee
+            | Rule::k_holds
             | Rule::k_holiday
             | Rule::k_hour
             | Rule::k_idle
@@ -378,6 +393,9 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_implements
             | Rule::k_import
             | Rule::k_in
+            | Rule::k_internal
+            | Rule::k_layout
+            | Rule::k_leftover
             | Rule::k_limit
             | Rule::k_line
             | Rule::k_machine
@@ -385,6 +403,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_mtbf
             | Rule::k_mttr
             | Rule::k_never
+            | Rule::k_nop
             | Rule::k_not
             | Rule::k_of
             | Rule::k_on
@@ -392,6 +411,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_only
             | Rule::k_operation
             | Rule::k_order
+            | Rule::k_out
             | Rule::k_parameter
             | Rule::k_part
             | Rule::k_parts
@@ -401,10 +421,13 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_probability
             | Rule::k_product
             | Rule::k_property
+            | Rule::k_realize
+            | Rule::k_recipe
             | Rule::k_record
             | Rule::k_refines
             | Rule::k_reorder
             | Rule::k_requirement
+            | Rule::k_resource
             | Rule::k_resets
             | Rule::k_restart
             | Rule::k_route
@@ -428,6 +451,7 @@ fn is_keyword(rule: Rule) -> bool {
             | Rule::k_time
             | Rule::k_times
             | Rule::k_to
+            | Rule::k_transport
             | Rule::k_twice
             | Rule::k_type
             | Rule::k_until

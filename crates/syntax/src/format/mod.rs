@@ -12,6 +12,7 @@ mod line;
 mod machine;
 mod parts;
 mod printer;
+mod recipe;
 mod skills;
 
 use super::ast::{Expr, File, Item};
@@ -31,7 +32,12 @@ pub fn format(file: &File, text: &str) -> String {
         let kind = std::mem::discriminant(item);
         let block = matches!(
             item,
-            Item::Contract(_) | Item::Machine(_) | Item::Line(_) | Item::Skills(_)
+            Item::Contract(_)
+                | Item::Machine(_)
+                | Item::Line(_)
+                | Item::Skills(_)
+                | Item::Layout(_)
+                | Item::Recipe(_)
         );
         let place = printer.begin(block || before.is_some_and(|b| b != kind));
         before = Some(kind);
@@ -49,6 +55,9 @@ pub fn format(file: &File, text: &str) -> String {
             Item::Machine(m) => printer.machine(place, m),
             Item::Line(l) => printer.plant_line(place, l),
             Item::Skills(s) => printer.skills(place, s),
+            Item::Layout(l) => printer.cell_layout(place, l),
+            Item::Recipe(r) => printer.recipe(place, r),
+            Item::Realize(r) => printer.realize(r),
         }
         printer.end();
     }

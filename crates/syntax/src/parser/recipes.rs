@@ -1,0 +1,81 @@
+//! Messages about layouts and recipes that cannot be parsed.
+
+use super::{Grammar, Rule, after_comments, finding_of, word_at};
+use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::{FileId, Span};
+use pest::Parser as _;
+
+/// Returns the finding for text in a resource, a transport or a recipe that is no item of it.
+/// Returns `None` for other contexts, and if the first word shows nothing.
+pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
+    let code = after_comments(text);
+    let word = word_at(code);
+    let rest = after_comments(&code[word.len()..]);
+    let (rule, begins_item) = match context {
+        Rule::bad_resource_item => (Rule::only_resource_item, word == "nop"),
+        Rule::bad_transport_item => (Rule::only_transport_item, rest.starts_with([':', ','])),
+        Rule::bad_recipe_item => (
+            Rule::only_recipe_item,
+            ["part", "start", "end", "leftover"].contains(&word.as_str()),
+        ),
+        _ => return None,
+    };
+    if context == Rule::bad_recipe_item && rest.starts_with('(') {
+        let at = start + text.len() - code.len();
+        let span = Span::new(file, at, at + word.len());
+        return Some(
+            Diagnostic::error(
+                codes::SYNTAX,
+                span,
+                format!("the operation `{word}` is in no transition"),
+            )
+            .with_help("write the operations of a transition after its states: `a -> b: load()(f); glue(f)(f)`"),
+        );
+    }
+    if !begins_item && !rest.starts_with("->") {
+        return None;
+    }
+    let error = Grammar::parse(rule, text).err()?;
+    Some(finding_of(file, start, text, &error))
+}
+
+/// Returns the name of a context for messages, and what can begin an item there.
+pub(super) fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
+    match context {
+        Rule::bad_layout_item => (
+            "a layout",
+            &["resource", "transport", "at start", "const"],
+        ),
+        Rule::bad_resource_item => ("a resource", &["s0 -> s1: ...", "nop"]),
+        Rule::bad_transport_item => ("a transport", &["r1 -> r2"]),
+        _ => (
+            "a recipe",
+            &["part", "start", "a -> b: ...", "end", "leftover"],
+        ),
+    }
+}
+
+/// Returns the phrase for a rule in a list of expected tokens.
+pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
+    Some(match rule {
+        Rule::action => "an operation, `in` or `out`",
+        Rule::taking => "`in`",
+        Rule::giving => "`out`",
+        Rule::hidden => "`internal`",
+        Rule::transfer_label => "a label, such as `in:3`",
+        Rule::lasts => "`in`",
+        Rule::draws => "`power`",
+        Rule::initially => "`at`",
+        Rule::holds => "`holds`",
+        Rule::resource_kind => "`:`",
+        Rule::dock | Rule::docks => "a resource",
+        Rule::stock | Rule::recipe_part => "a part",
+        Rule::part_names => "parts in brackets, such as `(p, h)`",
+        Rule::recipe_step | Rule::recipe_call => "an operation, such as `insert(p, h)(h2)`",
+        Rule::recipe_guard => "`when`",
+        Rule::otherwise => "`otherwise`",
+        Rule::tested_at => "`at`",
+        Rule::wanted => "a recipe",
+        _ => return None,
+    })
+}
