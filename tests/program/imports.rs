@@ -12,7 +12,7 @@ const CRATES: [(&str, &[&str]); 13] = [
     ("recipe", &[]),
     ("automata", &["core"]),
     ("syntax", &["core"]),
-    ("language", &["automata", "core", "syntax"]),
+    ("language", &["automata", "core", "recipe", "syntax"]),
     ("interchange", &["automata", "core", "syntax"]),
     ("solver", &["core"]),
     ("algebra", &["core", "language", "solver"]),

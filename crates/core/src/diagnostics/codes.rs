@@ -48,6 +48,7 @@ pub const GROUPS: &[Group] = &[
     Group::new("LW3xx", "machine and composition"),
     Group::new("LW4xx", "line"),
     Group::new("LW5xx", "station"),
+    Group::new("LW6xx", "layout and recipe"),
 ];
 
 impl Group {
@@ -166,6 +167,13 @@ codes! {
     LAYOUT_REFUTED = "LW545", "the host did not read back what was returned";
     FILE_KEPT = "LW546", "a file already exists and differs";
     LINE_SIZES = "LW547", "a machine is built with the sizes that a line gives it";
+
+    LAYOUT_STUCK = "LW601", "a resource never enters a state, or can get stuck in it";
+    LAYOUT_PARTNER = "LW602", "a transfer has no partner";
+    LAYOUT_CAPACITY = "LW603", "a resource holds more parts than it has room for";
+    LAYOUT_ROUTE = "LW604", "a route does not fit the resources that it joins";
+    RECIPE_GRAPH = "LW605", "a recipe does not lead from its start to an end";
+    RECIPE_GUARDS = "LW606", "the guards of a recipe do not cover every outcome once";
 }
 
 /// Returns the code with an id such as `LW101`; case does not matter.

@@ -6,7 +6,8 @@ use super::scope::Scope;
 use super::set::{Changes, SettableNumber, Settings, Target};
 use super::table::Tables;
 use super::uses::{self, PossibleUses};
-use super::{Library, Loader, lines, machines, skills};
+use super::recipe::Realization;
+use super::{Library, Loader, lines, machines, recipes, skills};
 use crate::order::Skills;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::source::{FileId, SourceMap, Span};
@@ -67,6 +68,7 @@ pub fn load_with(
         .iter()
         .map(|file| skill_sets(&file.tree, &sources, &mut findings))
         .collect();
+    let mut wanted = Vec::new();
     for index in 0..files.len() {
         let mut scope = Scope::with(&changes.variants, &tables);
         let mut own = Vec::new();
@@ -76,8 +78,10 @@ pub fn load_with(
         scope.evaluate(&mut own);
         findings.append(&mut own);
         resolve(&files[index], &scope, &sources, &mut library, &mut findings);
+        wanted.extend(realizations(&files[index], &scope, &mut findings));
         add_skill_sets(&files[index].tree, &sets[index], &mut library);
     }
+    add_realizations(wanted, &mut library, &mut findings);
     changes.relocate(&mut findings);
     for index in 0..files.len() {
         let mut found = unused(&files, index, &sources, &findings);
@@ -395,6 +399,9 @@ fn start(item: &ast::Item) -> usize {
         ast::Item::Machine(m) => m.header.name.span,
         ast::Item::Line(l) => l.name.span,
         ast::Item::Skills(s) => s.name.span,
+        ast::Item::Layout(l) => l.name.span,
+        ast::Item::Recipe(r) => r.name.span,
+        ast::Item::Realize(r) => r.recipes.first().map_or(r.layout.span, |r| r.name.span),
     };
     span.start as usize
 }
@@ -418,7 +425,7 @@ fn closure(files: &[File], index: usize) -> Vec<usize> {
     order
 }
 
-/// Resolves the contracts, machines and lines of a file, and adds them to the library.
+/// Resolves the contracts, machines, lines, layouts and recipes of a file, and adds them to the library.
 fn resolve(
     file: &File,
     scope: &Scope<'_>,
@@ -453,8 +460,58 @@ fn resolve(
                     .refused_lines
                     .push((l.name.text.clone(), l.name.span)),
             },
+            ast::Item::Layout(l) => match recipes::layout(scope, l, findings) {
+                Some(layout) => library.layouts.push(layout),
+                None => library
+                    .refused_layouts
+                    .push((l.name.text.clone(), l.name.span)),
+            },
+            ast::Item::Recipe(r) => match recipes::recipe(r, findings) {
+                Some(recipe) => library.recipes.push(recipe),
+                None => library
+                    .refused_recipes
+                    .push((r.name.text.clone(), r.name.span)),
+            },
             _ => {}
         }
+    }
+}
+
+/// Resolves the statements `realize` of a file, whose names have to be in scope.
+fn realizations(
+    file: &File,
+    scope: &Scope<'_>,
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<Realization> {
+    let declared = file.tree.items.iter().filter_map(|item| match item {
+        ast::Item::Realize(decl) => recipes::realize(scope, decl, findings),
+        _ => None,
+    });
+    declared.collect()
+}
+
+/// Adds what is to be made to the library, and reports what does not fit. All files must be
+/// resolved.
+fn add_realizations(
+    wanted: Vec<Realization>,
+    library: &mut Library,
+    findings: &mut Vec<Diagnostic>,
+) {
+    for realization in wanted {
+        let Some(layout) = library.layout_at(realization.layout_declared) else {
+            continue;
+        };
+        let mut found = Vec::new();
+        let mut is_complete = true;
+        for wanted in &realization.recipes {
+            match library.recipe_at(wanted.declared) {
+                Some(recipe) => recipes::report_misfits(recipe, layout, &mut found),
+                None => is_complete = false,
+            }
+        }
+        let fits = is_complete && found.is_empty();
+        findings.append(&mut found);
+        library.realizations.extend(fits.then_some(realization));
     }
 }
 

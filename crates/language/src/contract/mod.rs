@@ -1,4 +1,5 @@
-//! Name resolution: contracts with their domains and parameters, machines and lines.
+//! Name resolution: contracts with their domains and parameters, machines, lines, layouts and
+//! recipes.
 //!
 //! [`load`] turns files into a [`Library`]; later stages never use a syntax tree.
 
@@ -17,6 +18,8 @@ mod machines;
 pub mod metric;
 mod patterns;
 pub mod picture;
+pub mod recipe;
+mod recipes;
 mod routes;
 mod scope;
 pub mod set;
@@ -51,6 +54,13 @@ pub struct Library {
     pub machines: Vec<machine::Machine>,
     /// Lines, in order of file and position.
     pub lines: Vec<line::Line>,
+    /// Layouts, in order of file and position.
+    pub layouts: Vec<recipe::Layout>,
+    /// Recipes, in order of file and position.
+    pub recipes: Vec<recipe::Recipe>,
+    /// What is to be made, in order of file and position, where neither the recipes nor the layout
+    /// has errors.
+    pub realizations: Vec<recipe::Realization>,
     /// Skill sets, in order of file and position.
     pub skills: Vec<Arc<Skills>>,
     /// Contracts that cannot be used because of errors: name and its source position. The findings
@@ -60,6 +70,10 @@ pub struct Library {
     pub refused_machines: Vec<(String, Span)>,
     /// Lines that cannot be used because of errors.
     pub refused_lines: Vec<(String, Span)>,
+    /// Layouts that cannot be used because of errors.
+    pub refused_layouts: Vec<(String, Span)>,
+    /// Recipes that cannot be used because of errors.
+    pub refused_recipes: Vec<(String, Span)>,
     /// Skill sets that cannot be used because of errors.
     pub refused_skills: Vec<(String, Span)>,
     /// Files with syntax errors.
@@ -69,6 +83,16 @@ pub struct Library {
 }
 
 impl Library {
+    /// Returns the layout that is declared at this place.
+    pub fn layout_at(&self, declared: Span) -> Option<&recipe::Layout> {
+        self.layouts.iter().find(|l| l.span == declared)
+    }
+
+    /// Returns the recipe that is declared at this place.
+    pub fn recipe_at(&self, declared: Span) -> Option<&recipe::Recipe> {
+        self.recipes.iter().find(|r| r.span == declared)
+    }
+
     /// Returns the definitions that the rules of a contract use.
     pub fn definitions_of(&self, contract: &Contract) -> &[Definition] {
         self.definitions

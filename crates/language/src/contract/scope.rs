@@ -25,6 +25,10 @@ pub(super) struct Scope<'a> {
     pub tables: Option<&'a Tables>,
     /// Skill sets; `None` for those that cannot be used because of errors.
     pub skills: BTreeMap<&'a str, Option<Arc<Skills>>>,
+    /// Places of the layouts.
+    pub layouts: BTreeMap<&'a str, Span>,
+    /// Places of the recipes.
+    pub recipes: BTreeMap<&'a str, Span>,
     types: Vec<&'a ast::TypeDecl>,
     constants: Vec<&'a ast::ConstDecl>,
     defines: BTreeMap<String, &'a ast::Define>,
@@ -64,7 +68,7 @@ impl<'a> Scope<'a> {
                 _ => None,
             };
             let name = match item {
-                ast::Item::Import(_) => continue,
+                ast::Item::Import(_) | ast::Item::Realize(_) => continue,
                 ast::Item::Type(d) => &d.name,
                 ast::Item::Const(d) => &d.name,
                 ast::Item::Define(d) => &d.name,
@@ -72,6 +76,8 @@ impl<'a> Scope<'a> {
                 ast::Item::Machine(d) => &d.header.name,
                 ast::Item::Line(d) => &d.name,
                 ast::Item::Skills(d) => &d.name,
+                ast::Item::Layout(d) => &d.name,
+                ast::Item::Recipe(d) => &d.name,
             };
             if let Some(first) = self.places.get(name.text.as_str()) {
                 findings.push(duplicate_name(name, *first));
@@ -94,7 +100,13 @@ impl<'a> Scope<'a> {
                 ast::Item::Skills(d) => {
                     self.skills.insert(&d.name.text, set);
                 }
-                ast::Item::Import(_) | ast::Item::Line(_) => {}
+                ast::Item::Layout(d) => {
+                    self.layouts.insert(&d.name.text, d.name.span);
+                }
+                ast::Item::Recipe(d) => {
+                    self.recipes.insert(&d.name.text, d.name.span);
+                }
+                ast::Item::Import(_) | ast::Item::Line(_) | ast::Item::Realize(_) => {}
             }
         }
     }

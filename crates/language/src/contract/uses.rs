@@ -265,7 +265,7 @@ pub(super) fn machine<'a>(
 }
 
 /// Returns the findings for top-level declarations that neither the file nor an importing file
-/// uses. A file without contracts, machines and lines is a library for other files, and is not
+/// uses. A file without contracts, machines, lines and layouts is a library for other files, and is not
 /// checked.
 pub(super) fn file(
     tree: &ast::File,
@@ -273,7 +273,12 @@ pub(super) fn file(
     extent: Span,
     doubt: &PossibleUses<'_>,
 ) -> Vec<Diagnostic> {
-    let holds = |item: &Item| matches!(item, Item::Contract(_) | Item::Machine(_) | Item::Line(_));
+    let holds = |item: &Item| {
+        matches!(
+            item,
+            Item::Contract(_) | Item::Machine(_) | Item::Line(_) | Item::Layout(_)
+        )
+    };
     if !tree.items.iter().any(holds) {
         return Vec::new();
     }

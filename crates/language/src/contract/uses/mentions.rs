@@ -1,8 +1,8 @@
 //! The names that a part of a file mentions, without those that are bound within it.
 
 use linewright_syntax::ast::{
-    self, ContractItem, DomainKind, Expr, ExprKind, Item, LineItem, MachineItem, StationItem, Stop,
-    Supply, TimeValue,
+    self, ContractItem, DomainKind, Expr, ExprKind, Item, LayoutItem, LineItem, MachineItem,
+    ResourceItem, StationItem, Stop, Supply, TimeValue,
 };
 use std::collections::BTreeSet;
 
@@ -226,6 +226,26 @@ impl<'a> Mentions<'a> {
         }
     }
 
+    fn layout(&mut self, layout: &'a ast::Layout) {
+        for item in &layout.items {
+            match item {
+                LayoutItem::Resource(r) => {
+                    r.kind.iter().for_each(|kind| self.name(&kind.text));
+                    for item in &r.items {
+                        if let ResourceItem::Transition { actions, .. } = item {
+                            self.exprs(actions.iter().flat_map(|a| a.time.iter().chain(&a.power)));
+                        }
+                    }
+                }
+                LayoutItem::Transport(t) => {
+                    self.exprs(t.routes.iter().flat_map(|r| r.time.iter().chain(&r.power)));
+                }
+                LayoutItem::Const(c) => self.constant(c),
+                LayoutItem::Duplicate { .. } | LayoutItem::AtStart { .. } => {}
+            }
+        }
+    }
+
     fn station_item(&mut self, item: &'a StationItem) {
         match item {
             StationItem::Perform { operations, .. } => self.performed(operations),
@@ -248,8 +268,13 @@ impl<'a> Mentions<'a> {
     pub fn file(&mut self, file: &'a ast::File) {
         for item in &file.items {
             match item {
-                // A skill set mentions no names outside of itself.
-                Item::Import(_) | Item::Skills(_) => {}
+                // A skill set and a recipe mention no names outside of themselves.
+                Item::Import(_) | Item::Skills(_) | Item::Recipe(_) => {}
+                Item::Realize(r) => {
+                    let names = r.recipes.iter().map(|r| &r.name).chain([&r.layout]);
+                    names.for_each(|n| self.name(&n.text));
+                }
+                Item::Layout(l) => self.layout(l),
                 Item::Type(t) => self.domain(&t.domain),
                 Item::Const(c) => self.constant(c),
                 Item::Define(d) => self.define(d),
