@@ -432,7 +432,8 @@ fn is_auxiliary(rule: &str) -> bool {
     const HELPERS: &str = "WHITESPACE COMMENT end id_start id_rest blank blanks nested piece \
         close_paren close_bracket close_brace open_brace open_bracket arrow dots colon equals \
         comma ampersand item_head item_head_word skills_head item_word skills_word contract_word \
-        machine_word line_word component_word station_word";
+        machine_word line_word component_word station_word layout_head \
+        layout_word resource_word transport_word recipe_word state_arrow";
     ["k_", "bad_", "only_"].iter().any(|p| rule.starts_with(p))
         || HELPERS.split_whitespace().any(|helper| helper == rule)
 }
