@@ -16,7 +16,7 @@ const RAISED: &[&str] = &[
     "LW002", "LW003", "LW004", "LW101", "LW102", "LW103", "LW104", "LW105", "LW106", "LW107",
     "LW108", "LW109", "LW110", "LW111", "LW112", "LW113", "LW114", "LW115", "LW201", "LW202",
     "LW207", "LW210", "LW211", "LW301", "LW302", "LW306", "LW307", "LW308", "LW401", "LW402",
-    "LW417",
+    "LW417", "LW601", "LW602", "LW603", "LW604", "LW605", "LW606",
 ];
 
 fn folder() -> PathBuf {
@@ -25,7 +25,7 @@ fn folder() -> PathBuf {
 
 fn cases() -> Vec<String> {
     let mut names = Vec::new();
-    for group in ["syntax", "resolve", "machine", "line"] {
+    for group in ["syntax", "resolve", "machine", "line", "recipe"] {
         for entry in std::fs::read_dir(folder().join(group)).expect("a folder") {
             let path = entry.expect("an entry").path();
             if path.extension().is_some_and(|e| e == "lw") {

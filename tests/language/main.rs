@@ -8,6 +8,7 @@ mod explanations;
 mod format;
 mod forms;
 mod printed;
+mod recipes;
 #[path = "../fuzz/program.rs"]
 mod program;
 mod robustness;

@@ -6,6 +6,8 @@
 //! shrinking lists; at the end of the list, every choice is the first option, which ends the
 //! generation.
 
+#[path = "recipes.rs"]
+mod recipes;
 #[path = "skills.rs"]
 mod skills;
 
@@ -624,7 +626,7 @@ impl<'n> Choices<'n> {
     }
 
     fn item(&mut self) -> Item {
-        match self.pick(11) {
+        match self.pick(14) {
             0..=2 => Item::Contract(Contract {
                 header: self.header(),
                 moore: self.maybe(),
@@ -652,6 +654,9 @@ impl<'n> Choices<'n> {
             6 => Item::Type(self.type_decl()),
             7 => Item::Const(self.const_decl()),
             8 | 9 => Item::Skills(self.skill_set()),
+            10 => Item::Layout(self.layout()),
+            11 => Item::Recipe(self.recipe()),
+            12 => Item::Realize(self.realize()),
             _ => Item::Define(self.define()),
         }
     }
