@@ -11,7 +11,6 @@ use super::recipe::{Layout, Realization, Recipe, WantedRecipe};
 use super::scope::Scope;
 use super::skills::near_or_all;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::source::Span;
 use linewright_syntax::ast;
 
 pub(super) use layout::layout;
