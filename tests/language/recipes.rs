@@ -30,7 +30,10 @@ fn sound(text: &str) -> Library {
 
 /// The demonstrator with more statements in its layout.
 fn pad_with(statements: &str) -> String {
-    PAD.replace("/// Load and unload area", &format!("{statements}\n/// Load and unload area"))
+    PAD.replace(
+        "/// Load and unload area",
+        &format!("{statements}\n/// Load and unload area"),
+    )
 }
 
 /// States and transitions of the topology of the first layout.
@@ -82,8 +85,15 @@ fn what_is_to_be_made_refers_to_declarations() {
         assert_eq!(layout.map(|l| l.model.name.as_str()), Some("Pad"));
         let wanted = &realization.recipes[0];
         let recipe = library.recipe_at(wanted.declared).expect("a recipe");
-        assert_eq!((recipe.model.name.as_str(), recipe.doc.as_str()), ("Hinge", "Reconstruction of the recipe of the hinge."));
-        let counts = if library.sources.file(realization.span.file).name == "a.lw" { 3 } else { 1 };
+        assert_eq!(
+            (recipe.model.name.as_str(), recipe.doc.as_str()),
+            ("Hinge", "Reconstruction of the recipe of the hinge.")
+        );
+        let counts = if library.sources.file(realization.span.file).name == "a.lw" {
+            3
+        } else {
+            1
+        };
         assert_eq!(wanted.count, counts);
     }
 }
@@ -124,11 +134,19 @@ fn places_are_those_of_the_text() {
         assert_eq!(text(*span), part.name);
     }
     for (transition, places) in recipe.model.transitions.iter().zip(&recipe.transitions) {
-        assert_eq!(text(places.span), format!("{} -> {}", transition.from, transition.to));
+        assert_eq!(
+            text(places.span),
+            format!("{} -> {}", transition.from, transition.to)
+        );
         for (step, places) in transition.steps.iter().zip(&places.steps) {
             for (call, places) in step.operations.iter().zip(places) {
                 assert_eq!(text(places.name), call.name);
-                let shown = format!("{}({})({})", call.name, call.inputs.join(", "), call.outputs.join(", "));
+                let shown = format!(
+                    "{}({})({})",
+                    call.name,
+                    call.inputs.join(", "),
+                    call.outputs.join(", ")
+                );
                 assert_eq!(text(places.span), shown);
                 let inputs = places.inputs.iter().map(|s| text(*s));
                 assert!(inputs.eq(call.inputs.iter().map(String::as_str)));
@@ -140,7 +158,9 @@ fn places_are_those_of_the_text() {
 /// The names of the resources, and the transitions of one as text.
 fn transitions(library: &Library, name: &str) -> Vec<String> {
     let layout = &library.layouts[0].model;
-    let at = layout.resource(name).unwrap_or_else(|| panic!("no {name} in {layout:#?}"));
+    let at = layout
+        .resource(name)
+        .unwrap_or_else(|| panic!("no {name} in {layout:#?}"));
     let shown = layout.resources[at].transitions.iter().map(|t| {
         let action = match &t.action {
             Action::Operation(name) => name.clone(),
@@ -173,11 +193,20 @@ fn routes_become_transfers_with_the_labels_of_their_ends() {
         ]
     );
     let library = layout("transport belt holds 2 { a:left -> b } transport other { a:right -> b }");
-    assert_eq!(transitions(&library, "belt"), transitions(&library, "belt#2"));
-    assert_eq!(transitions(&library, "other"), ["empty -> a: in:right", "a -> empty: out:b"]);
+    assert_eq!(
+        transitions(&library, "belt"),
+        transitions(&library, "belt#2")
+    );
+    assert_eq!(
+        transitions(&library, "other"),
+        ["empty -> a: in:right", "a -> empty: out:b"]
+    );
     // From one transport to another.
     let library = layout("transport belt { a -> lift } transport lift { belt -> b }");
-    assert_eq!(transitions(&library, "belt")[2], "a -> empty: out:belt->lift");
+    assert_eq!(
+        transitions(&library, "belt")[2],
+        "a -> empty: out:belt->lift"
+    );
     assert_eq!(
         transitions(&library, "lift"),
         ["empty -> belt: in:belt->lift", "belt -> empty: out:b"]
@@ -185,8 +214,15 @@ fn routes_become_transfers_with_the_labels_of_their_ends() {
     // A route of its own for a duplicate.
     let library = layout("transport belt { a -> b a2 -> b2 } resource a2 = a resource b2 = b");
     let belt = transitions(&library, "belt");
-    for wanted in ["empty -> a: in:left", "empty -> a@a2: in:left@a2", "a@a2 -> empty: out:b@b2"] {
-        assert!(belt.iter().any(|t| t == wanted), "{wanted} is not in {belt:#?}");
+    for wanted in [
+        "empty -> a: in:left",
+        "empty -> a@a2: in:left@a2",
+        "a@a2 -> empty: out:b@b2",
+    ] {
+        assert!(
+            belt.iter().any(|t| t == wanted),
+            "{wanted} is not in {belt:#?}"
+        );
     }
 }
 
@@ -212,9 +248,17 @@ fn work_can_be_there_at_the_start() {
          at start belt a2 holds p }}\n"
     ));
     let resources = &library.layouts[0].model.resources;
-    let find = |name: &str| resources.iter().find(|r| r.name == name).expect("a resource");
+    let find = |name: &str| {
+        resources
+            .iter()
+            .find(|r| r.name == name)
+            .expect("a resource")
+    };
     assert_eq!(find("b").holds, ["Pin"]);
-    assert_eq!((find("belt").initial.as_str(), find("belt").holds.join(" ")), ("a@a2", "p".to_owned()));
+    assert_eq!(
+        (find("belt").initial.as_str(), find("belt").holds.join(" ")),
+        ("a@a2", "p".to_owned())
+    );
 }
 
 /// Only `in` and `out` are no names of operations; everything else may be one, or a state.
@@ -247,7 +291,10 @@ realize {word} on {word}
         );
         let (file, findings) = parse(linewright::source::FileId::default(), &text);
         assert!(findings.is_empty(), "{word}: {findings:#?}");
-        assert!(matches!(file.items.as_slice(), [Item::Layout(_), Item::Recipe(_), Item::Realize(_)]));
+        assert!(matches!(
+            file.items.as_slice(),
+            [Item::Layout(_), Item::Recipe(_), Item::Realize(_)]
+        ));
         let printed = linewright::syntax::format::format_checked(&file, &text);
         assert_eq!(printed.as_deref(), Ok(text.as_str()), "{word}");
     }
@@ -258,8 +305,14 @@ realize {word} on {word}
 
 #[test]
 fn a_finding_in_a_recipe_does_not_hide_others() {
-    let (library, findings) = read(&PAD.replace("h2)(h2)\n    b", "h3)(h2)\n    b").replace("end d, e", "end d, f"));
-    let errors: Vec<_> = findings.iter().filter(|f| f.severity == Severity::Error).collect();
+    let (library, findings) = read(
+        &PAD.replace("h2)(h2)\n    b", "h3)(h2)\n    b")
+            .replace("end d, e", "end d, f"),
+    );
+    let errors: Vec<_> = findings
+        .iter()
+        .filter(|f| f.severity == Severity::Error)
+        .collect();
     assert_eq!(errors.len(), 3, "{errors:#?}");
     assert_eq!((library.layouts.len(), library.recipes.len()), (1, 0));
     assert_eq!(library.refused_recipes[0].0, "Hinge");

@@ -6,8 +6,26 @@ use linewright::syntax::ast::*;
 
 /// Names, most of which are words of a layout or a recipe.
 const WORDS: &[&str] = &[
-    "a", "resource", "at", "start", "end", "holds", "nop", "out", "on", "when", "otherwise",
-    "leftover", "part", "layout", "recipe", "realize", "transport", "power", "G", "Größe",
+    "a",
+    "resource",
+    "at",
+    "start",
+    "end",
+    "holds",
+    "nop",
+    "out",
+    "on",
+    "when",
+    "otherwise",
+    "leftover",
+    "part",
+    "layout",
+    "recipe",
+    "realize",
+    "transport",
+    "power",
+    "G",
+    "Größe",
 ];
 
 impl Choices<'_> {
@@ -18,7 +36,11 @@ impl Choices<'_> {
     /// A word that is no keyword of an action.
     fn operation(&mut self) -> Name {
         let word = self.word();
-        if word.text == "out" { name("glue") } else { word }
+        if word.text == "out" {
+            name("glue")
+        } else {
+            word
+        }
     }
 
     fn capacity(&mut self) -> Option<PartCapacity> {

@@ -2,11 +2,11 @@
 
 use super::definitions::definitions;
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
+use super::recipe::Realization;
 use super::scope::Scope;
 use super::set::{Changes, SettableNumber, Settings, Target};
 use super::table::Tables;
 use super::uses::{self, PossibleUses};
-use super::recipe::Realization;
 use super::{Library, Loader, lines, machines, recipes, skills};
 use crate::order::Skills;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};

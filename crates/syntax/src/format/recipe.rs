@@ -123,7 +123,9 @@ impl Printer<'_> {
         self.put("transport ");
         self.name(&t.name);
         self.part_capacity(t.capacity);
-        self.block(place, &t.routes, true, |p, _, route| p.transport_route(route));
+        self.block(place, &t.routes, true, |p, _, route| {
+            p.transport_route(route)
+        });
     }
 
     fn transport_route(&mut self, route: &TransportRoute) {

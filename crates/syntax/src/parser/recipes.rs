@@ -42,10 +42,7 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
 /// Returns the name of a context for messages, and what can begin an item there.
 pub(super) fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
     match context {
-        Rule::bad_layout_item => (
-            "a layout",
-            &["resource", "transport", "at start", "const"],
-        ),
+        Rule::bad_layout_item => ("a layout", &["resource", "transport", "at start", "const"]),
         Rule::bad_resource_item => ("a resource", &["s0 -> s1: ...", "nop"]),
         Rule::bad_transport_item => ("a transport", &["r1 -> r2"]),
         _ => (

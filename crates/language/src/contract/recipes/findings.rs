@@ -254,13 +254,18 @@ pub(super) fn of_layout(problem: &Problem, layout: &Layout) -> Diagnostic {
         }
         Problem::NoPartner { resource, label } => {
             let place = find(resource).and_then(|(model, info)| {
-                let at = model.transitions.iter().position(|t| shown(&t.action) == *label)?;
+                let at = model
+                    .transitions
+                    .iter()
+                    .position(|t| shown(&t.action) == *label)?;
                 Some(info.transitions[at])
             });
             Text::new(
                 codes::LAYOUT_PARTNER,
                 place.unwrap_or(layout.span),
-                format!("no other resource is the partner of `{resource}` in the transfer `{label}`"),
+                format!(
+                    "no other resource is the partner of `{resource}` in the transfer `{label}`"
+                ),
                 partner_help(layout, resource, label),
             )
         }
@@ -273,7 +278,9 @@ pub(super) fn of_layout(problem: &Problem, layout: &Layout) -> Diagnostic {
             Text::new(
                 codes::LAYOUT_CAPACITY,
                 place.unwrap_or(layout.span),
-                format!("`{resource}` has room for {capacity}, but would hold {parts} at the start"),
+                format!(
+                    "`{resource}` has room for {capacity}, but would hold {parts} at the start"
+                ),
                 format!("give it room, `holds {parts}`, or let it hold less at the start"),
             )
         }

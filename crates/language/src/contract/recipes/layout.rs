@@ -144,7 +144,10 @@ impl<'a> Builder<'a, '_> {
         }
         let finding = unknown(
             name,
-            format!("`{}` has no resource `{}`", self.layout.model.name, name.text),
+            format!(
+                "`{}` has no resource `{}`",
+                self.layout.model.name, name.text
+            ),
             self.declared.keys().copied(),
             "its resources are",
         );
@@ -312,7 +315,11 @@ impl<'a> Builder<'a, '_> {
             }
         }
         let mut found = Vec::new();
-        for (state, span) in resource.states.iter().zip(&self.layout.resources[at].states) {
+        for (state, span) in resource
+            .states
+            .iter()
+            .zip(&self.layout.resources[at].states)
+        {
             if reached.contains(state.name.as_str()) || *span == Span::default() {
                 continue;
             }
@@ -426,7 +433,8 @@ impl<'a> Builder<'a, '_> {
             let resources = self.layout.model.resources.iter();
             for (resource, info) in resources.zip(&mut self.layout.resources) {
                 info.states.resize(resource.states.len(), name.span);
-                info.transitions.resize(resource.transitions.len(), name.span);
+                info.transitions
+                    .resize(resource.transitions.len(), name.span);
             }
         }
         self.slots.insert(&name.text, originals.len().max(1));
@@ -448,9 +456,7 @@ impl<'a> Builder<'a, '_> {
             return;
         }
         // Each statement about a transport fills the next of its places.
-        let is_free = |at: &&usize| {
-            slots.len() > 1 && !self.starts.iter().any(|(of, _)| of == *at)
-        };
+        let is_free = |at: &&usize| slots.len() > 1 && !self.starts.iter().any(|(of, _)| of == *at);
         let next = slots.iter().find(is_free).copied();
         let at = next.unwrap_or(slots[0]);
         if next.is_none()

@@ -36,9 +36,8 @@ pub(in crate::contract) fn recipe(
     }
     // States are declared by the transitions. A recipe without any has one state.
     let named = transitions.iter().flat_map(|t| [&t.from, &t.to]);
-    let first = start.filter(|s| {
-        transitions.is_empty() || named.clone().any(|state| state.text == s.text)
-    });
+    let first =
+        start.filter(|s| transitions.is_empty() || named.clone().any(|state| state.text == s.text));
     let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
     for state in first.into_iter().chain(named) {
         if seen.insert(&state.text, state.span).is_none() {

@@ -91,8 +91,8 @@ impl Builder<'_, '_> {
             for label in &given {
                 let action = Action::Out(label.clone());
                 let resource = &self.layout.model.resources[slot];
-                let known = (resource.transitions.iter())
-                    .any(|t| t.from == state && t.action == action);
+                let known =
+                    (resource.transitions.iter()).any(|t| t.from == state && t.action == action);
                 if !known {
                     self.ride(slot, (&state, EMPTY), action, ride, to.span());
                 }
@@ -143,15 +143,25 @@ impl Builder<'_, '_> {
             .cloned()
             .collect();
         if free.is_empty() {
-            let verb = if side == Side::Gives { "gives" } else { "takes" };
+            let verb = if side == Side::Gives {
+                "gives"
+            } else {
+                "takes"
+            };
             let (message, help) = match all.first() {
                 None => (
                     format!("`{}` {verb} no parts", name.text),
-                    format!("write a transition with `{word}` in `{}`: `s1 -> s0: {word}`", name.text),
+                    format!(
+                        "write a transition with `{word}` in `{}`: `s1 -> s0: {word}`",
+                        name.text
+                    ),
                 ),
                 Some(label) => (
                     format!("`{}` {verb} parts only directly", name.text),
-                    format!("give it a transfer for the transport, or name the label here: `{}:{label}`", name.text),
+                    format!(
+                        "give it a transfer for the transport, or name the label here: `{}:{label}`",
+                        name.text
+                    ),
                 ),
             };
             self.report_route(dock, message, &help);
@@ -162,7 +172,13 @@ impl Builder<'_, '_> {
 
     /// Returns whether a resource that is no transport is the partner in a transfer.
     fn has_direct_partner(&self, resource: usize, label: &str, side: Side) -> bool {
-        let others = (self.layout.model.resources.iter().zip(&self.layout.resources)).enumerate();
+        let others = (self
+            .layout
+            .model
+            .resources
+            .iter()
+            .zip(&self.layout.resources))
+        .enumerate();
         others
             .filter(|(at, (_, info))| *at != resource && !info.is_transport)
             .flat_map(|(_, (other, _))| &other.transitions)
@@ -206,13 +222,15 @@ impl Builder<'_, '_> {
     }
 
     fn ride(&mut self, slot: usize, states: (&str, &str), action: Action, ride: Ride, place: Span) {
-        self.layout.model.resources[slot].transitions.push(Transition {
-            from: states.0.to_owned(),
-            to: states.1.to_owned(),
-            action,
-            seconds: ride.seconds,
-            watts: ride.watts,
-        });
+        self.layout.model.resources[slot]
+            .transitions
+            .push(Transition {
+                from: states.0.to_owned(),
+                to: states.1.to_owned(),
+                action,
+                seconds: ride.seconds,
+                watts: ride.watts,
+            });
         self.layout.resources[slot].transitions.push(place);
     }
 
