@@ -77,8 +77,7 @@ fn the_hinge_can_be_made_in_sequence_and_with_a_second_robot_in_parallel() {
 
 #[test]
 fn what_is_to_be_made_refers_to_declarations() {
-    let text = format!("import \"pad.lw\"\n\nrealize 3 Hinge on Pad\n");
-    let library = sound(&text);
+    let library = sound("import \"pad.lw\"\n\nrealize 3 Hinge on Pad\n");
     assert_eq!(library.realizations.len(), 2);
     for realization in &library.realizations {
         let layout = library.layout_at(realization.layout_declared);

@@ -195,13 +195,14 @@ impl Builder<'_, '_> {
                 .find(|t| t.action == action)
                 .map(|t| t.to.clone())
         };
-        let state = labels.iter().find_map(takes).unwrap_or_else(|| {
-            let mut free = from.resource.text.clone();
-            while resource.state(&free).is_some() {
-                free.push('_');
-            }
-            free
-        });
+        let name = &from.resource.text;
+        let state = labels
+            .iter()
+            .find_map(takes)
+            .unwrap_or_else(|| match name.as_str() {
+                EMPTY => format!("{EMPTY}_"),
+                _ => name.clone(),
+            });
         let missing: Vec<&String> = labels.iter().filter(|l| takes(l).is_none()).collect();
         let missing: Vec<String> = missing.into_iter().cloned().collect();
         if resource.state(&state).is_none() {
