@@ -29,13 +29,13 @@ const WORDS: &[&str] = &[
 ];
 
 impl Choices<'_> {
-    fn word(&mut self) -> Name {
+    fn free_word(&mut self) -> Name {
         name(WORDS[self.pick(WORDS.len())])
     }
 
     /// A word that is no keyword of an action.
     fn operation(&mut self) -> Name {
-        let word = self.word();
+        let word = self.free_word();
         if word.text == "out" {
             name("glue")
         } else {
@@ -53,7 +53,7 @@ impl Choices<'_> {
     fn counted_name(&mut self) -> CountedName {
         CountedName {
             count: self.option(Self::count),
-            name: self.word(),
+            name: self.free_word(),
         }
     }
 
@@ -65,7 +65,7 @@ impl Choices<'_> {
         ResourceAction {
             kind: match self.pick(4) {
                 0 => ActionKind::Operation(self.operation()),
-                1 => ActionKind::Internal(self.word()),
+                1 => ActionKind::Internal(self.free_word()),
                 2 => ActionKind::In(self.label()),
                 _ => ActionKind::Out(self.label()),
             },
@@ -77,18 +77,18 @@ impl Choices<'_> {
 
     fn resource_item(&mut self) -> ResourceItem {
         if self.maybe() {
-            return ResourceItem::Nop(self.list(1, 3, Self::word));
+            return ResourceItem::Nop(self.list(1, 3, Self::free_word));
         }
         ResourceItem::Transition {
-            from: self.word(),
-            to: self.word(),
+            from: self.free_word(),
+            to: self.free_word(),
             actions: self.list(1, 3, Self::action),
         }
     }
 
     fn dock(&mut self) -> Dock {
         Dock {
-            resource: self.word(),
+            resource: self.free_word(),
             label: self.label(),
         }
     }
@@ -106,25 +106,25 @@ impl Choices<'_> {
         match self.pick(5) {
             0 => LayoutItem::Resource(Resource {
                 doc: self.doc(),
-                name: self.word(),
-                kind: self.option(Self::word),
-                initial: self.word(),
+                name: self.free_word(),
+                kind: self.option(Self::free_word),
+                initial: self.free_word(),
                 capacity: self.capacity(),
                 items: self.list(0, 4, Self::resource_item),
             }),
             1 => LayoutItem::Duplicate {
-                name: self.word(),
-                of: self.word(),
+                name: self.free_word(),
+                of: self.free_word(),
             },
             2 => LayoutItem::Transport(Transport {
                 doc: self.doc(),
-                name: self.word(),
+                name: self.free_word(),
                 capacity: self.capacity(),
                 routes: self.list(0, 3, Self::transport_route),
             }),
             3 => LayoutItem::AtStart {
-                resource: self.word(),
-                state: self.word(),
+                resource: self.free_word(),
+                state: self.free_word(),
                 parts: self.list(0, 3, Self::counted_name),
             },
             _ => LayoutItem::Const(self.const_decl()),
@@ -134,21 +134,21 @@ impl Choices<'_> {
     pub(super) fn layout(&mut self) -> Layout {
         Layout {
             doc: self.doc(),
-            name: self.word(),
+            name: self.free_word(),
             items: self.list(0, 4, Self::layout_item),
             broken: false,
         }
     }
 
     fn words(&mut self) -> Vec<Name> {
-        self.list(1, 3, Self::word)
+        self.list(1, 3, Self::free_word)
     }
 
     fn call(&mut self) -> RecipeCall {
         RecipeCall {
-            name: self.word(),
-            inputs: self.list(0, 2, Self::word),
-            outputs: self.list(0, 2, Self::word),
+            name: self.free_word(),
+            inputs: self.list(0, 2, Self::free_word),
+            outputs: self.list(0, 2, Self::free_word),
             span: Span::default(),
         }
     }
@@ -158,24 +158,24 @@ impl Choices<'_> {
             return RecipeGuard::Otherwise(Span::default());
         }
         RecipeGuard::When {
-            test: self.word(),
-            parts: self.list(0, 2, Self::word),
-            at: self.list(0, 2, Self::word),
+            test: self.free_word(),
+            parts: self.list(0, 2, Self::free_word),
+            at: self.list(0, 2, Self::free_word),
         }
     }
 
     fn recipe_item(&mut self) -> RecipeItem {
         match self.pick(6) {
             0 => RecipeItem::Parts(self.list(1, 3, |c| RecipePart {
-                name: c.word(),
-                kind: c.option(Self::word),
+                name: c.free_word(),
+                kind: c.option(Self::free_word),
             })),
-            1 => RecipeItem::Start(self.word()),
+            1 => RecipeItem::Start(self.free_word()),
             2 => RecipeItem::Ends(self.words()),
             3 => RecipeItem::Leftover(self.words()),
             _ => RecipeItem::Transition(RecipeTransition {
-                from: self.word(),
-                to: self.word(),
+                from: self.free_word(),
+                to: self.free_word(),
                 guard: self.option(Self::guard),
                 steps: self.list(0, 4, |c| c.list(1, 3, Self::call)),
             }),
@@ -185,7 +185,7 @@ impl Choices<'_> {
     pub(super) fn recipe(&mut self) -> Recipe {
         Recipe {
             doc: self.doc(),
-            name: self.word(),
+            name: self.free_word(),
             items: self.list(0, 5, Self::recipe_item),
             broken: false,
         }
@@ -194,7 +194,7 @@ impl Choices<'_> {
     pub(super) fn realize(&mut self) -> Realize {
         Realize {
             recipes: self.list(1, 3, Self::counted_name),
-            layout: self.word(),
+            layout: self.free_word(),
         }
     }
 }
