@@ -159,7 +159,7 @@ impl Recipe {
     }
 
     /// Returns the states that each transition leaves and enters, if both are known.
-    pub(super) fn edges(&self) -> Vec<Option<(usize, usize)>> {
+    pub(crate) fn edges(&self) -> Vec<Option<(usize, usize)>> {
         let mut numbers = FxHashMap::default();
         for (number, name) in self.states.iter().enumerate() {
             numbers.entry(name.as_str()).or_insert(number);

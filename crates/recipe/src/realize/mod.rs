@@ -22,7 +22,10 @@ mod cell;
 mod evaluate;
 mod explore;
 mod extract;
+mod flow;
 mod moves;
+mod obstacles;
+mod ways;
 
 use crate::controller::Controller;
 use crate::model::{Layout, Problem, Recipe};
@@ -31,7 +34,10 @@ use evaluate::{NEVER, evaluate};
 use explore::Graph;
 use extract::extract;
 use moves::{Moves, Stride};
+use obstacles::obstacles;
 use rustc_hash::FxHashSet;
+
+pub use obstacles::Obstacle;
 
 /// Maximum number of decisions for each vector that may be tried. Most vectors need a few; only
 /// resources that may not wait, and that compete for a partner, make it many.
@@ -79,29 +85,6 @@ pub struct Refusal {
     pub furthest_steps: Vec<Option<usize>>,
     /// Size of the search. It was complete, which proves the answer.
     pub size: SearchSize,
-}
-
-/// Cause that is found without a search.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Obstacle {
-    /// No resource performs an operation.
-    NoPerformer {
-        /// Index of the transition of the recipe.
-        transition: usize,
-        /// Index of the step.
-        step: usize,
-        /// Name of the operation.
-        operation: String,
-    },
-    /// No operation of the recipe makes a part, and the layout does not hold one like it.
-    NoSource {
-        /// Index of the transition of the recipe.
-        transition: usize,
-        /// Index of the step.
-        step: usize,
-        /// Name of the part.
-        part: String,
-    },
 }
 
 /// Size of a search.
@@ -321,60 +304,4 @@ fn search(cell: &Cell, stride: Stride, goal: Goal, limits: SearchLimits) -> Outc
         }
         until = 2 * graph.len();
     }
-}
-
-/// Returns the causes that are found without a search. They are exact: since every transition of
-/// the recipe that can be reached has to be realized, one of them suffices.
-fn obstacles(layout: &Layout, recipe: &Recipe) -> Vec<Obstacle> {
-    let unreachable: FxHashSet<String> = (recipe.problems().into_iter())
-        .filter_map(|p| match p {
-            Problem::Unreachable(state) => Some(state),
-            _ => None,
-        })
-        .collect();
-    let reachable = || {
-        let numbered = recipe.transitions.iter().enumerate();
-        numbered.filter(|(_, t)| !unreachable.contains(&t.from))
-    };
-    let calls = || {
-        reachable().flat_map(|(transition, t)| {
-            let steps = t.steps.iter().enumerate();
-            steps.flat_map(move |(step, s)| s.operations.iter().map(move |c| (transition, step, c)))
-        })
-    };
-    let actions = layout.resources.iter().flat_map(|r| &r.transitions);
-    let performed: FxHashSet<&str> = actions
-        .filter_map(|t| match &t.action {
-            crate::model::Action::Operation(name) => Some(name.as_str()),
-            _ => None,
-        })
-        .collect();
-    let held = layout.resources.iter().flat_map(|r| &r.holds);
-    let sources: FxHashSet<&str> = (calls().flat_map(|(.., c)| &c.outputs))
-        .chain(held)
-        .map(String::as_str)
-        .collect();
-    let mut obstacles = Vec::new();
-    let mut named = FxHashSet::default();
-    for (transition, step, call) in calls() {
-        if !performed.contains(call.name.as_str()) && named.insert(&call.name) {
-            obstacles.push(Obstacle::NoPerformer {
-                transition,
-                step,
-                operation: call.name.clone(),
-            });
-        }
-        for part in &call.inputs {
-            let kind = recipe.part(part).map_or("", |p| &recipe.parts[p].kind);
-            let has_source = sources.contains(part.as_str()) || sources.contains(kind);
-            if !has_source && named.insert(part) {
-                obstacles.push(Obstacle::NoSource {
-                    transition,
-                    step,
-                    part: part.clone(),
-                });
-            }
-        }
-    }
-    obstacles
 }
