@@ -182,6 +182,16 @@ fn damage() -> impl Strategy<Value = Damage> {
             "array",
             "import",
             "skills S {",
+            "layout L {",
+            "recipe R {",
+            "realize 3 R on L",
+            "resource r at s {",
+            "transport t {",
+            "at start r s holds",
+            "s -> s: in:1, out, a",
+            "a -> b when t(p): o(p)(p)",
+            "|| o()(p)",
+            "nop s",
             "order a: never",
             "sequence (",
             "deletes",
@@ -281,6 +291,8 @@ proptest! {
         "contract A {", "machine M {", "line L {", "}", "{", "guarantee", "always", "(", ")", "if", "then", "else", "a", "=",
         "input a: bool", "0..3", "\n", "array[2] of", "[", "]", "/*", "\"", "forall i in", ":", "next", "action a: A {", "station",
         "skills S {", "component c {", "order", "never", "sequence", "&", "|", "*", "deletes", "a -> a", "at", "skills S at valid {",
+        "layout L {", "recipe R {", "realize", "R on L", "resource r", "transport t {", "at start r s", "holds", "nop", "a -> b", "when", "otherwise",
+        "f(a)(b)", "||", ";", "part p: P", "start a", "end b", "leftover p", "out:1", "internal x", "2",
     ]), 0..40)) {
         survive(Path::new("test.lw"), &text);
         survive(Path::new("test.lw"), &words.join(" "));
@@ -340,6 +352,15 @@ fn deep_nesting_is_survived() {
                 "if order then ".repeat(n)
             ),
             "skills S { ".repeat(n),
+            "layout L { resource r at s { ".repeat(n),
+            "recipe R { a -> b: ".repeat(n),
+            format!(
+                "layout L {{ resource r at s {{ s -> s: a in {}1 s",
+                "(".repeat(n)
+            ),
+            format!("recipe R {{ a -> b: o{} }}", "(".repeat(n)),
+            format!("recipe R {{ a -> b: {}o()() }}", "o()() || ".repeat(n)),
+            format!("realize {}R on L", "R, ".repeat(n)),
             "machine M { action a: A { ".repeat(n),
             "line L {\n station a: A {\n".repeat(n),
             format!("contract A {{ /* {}", "{".repeat(n)),

@@ -170,7 +170,7 @@ pub fn declares_skill_set(rest: &str) -> bool {
 
 /// Returns whether the text after the word `layout` or `recipe` declares one: a name, and a brace
 /// that is not the number of repetitions of a skill, as in `Up{2}`.
-fn declares_block(rest: &str) -> bool {
+pub fn declares_layout_or_recipe(rest: &str) -> bool {
     skills_head(rest).is_some_and(|brace| {
         let within = rest[brace + 1..].trim_start();
         !within.starts_with(|c: char| c.is_ascii_digit())
@@ -251,7 +251,7 @@ impl Scanner<'_> {
             "contract" | "moore" | "line" | "import" => !is_meant_as_name(rest),
             "machine" => !declares_inner_machine(rest) && !is_meant_as_name(rest),
             "skills" => declares_skill_set(rest),
-            "layout" | "recipe" => declares_block(rest),
+            "layout" | "recipe" => declares_layout_or_recipe(rest),
             _ => false,
         };
         if begins_item && self.line_start {

@@ -26,7 +26,7 @@ const NUMBERS: [&str; 22] = [
     "1e309",
     "0.1",
 ];
-const SIGNS: [&str; 42] = [
+const SIGNS: [&str; 43] = [
     "and",
     "or",
     "xor",
@@ -69,8 +69,9 @@ const SIGNS: [&str; 42] = [
     "max(",
     "abs(",
     "floor(",
+    "||",
 ];
-const WORDS: [&str; 46] = [
+const WORDS: [&str; 62] = [
     "true",
     "false",
     "it",
@@ -117,6 +118,22 @@ const WORDS: [&str; 46] = [
     "array[2] of",
     "forall i in 0..3:",
     "bool",
+    "layout",
+    "recipe",
+    "realize",
+    "resource",
+    "transport",
+    "at start",
+    "holds",
+    "nop",
+    "start",
+    "end",
+    "leftover",
+    "on",
+    "in:1",
+    "out:1",
+    "a -> b:",
+    "glue(p)(p)",
 ];
 
 fn pick<'a, T: ?Sized>(stream: &mut Stream, list: &[&'a T]) -> &'a T {

@@ -265,8 +265,8 @@ pub(super) fn machine<'a>(
 }
 
 /// Returns the findings for top-level declarations that neither the file nor an importing file
-/// uses. A file without contracts, machines, lines and layouts is a library for other files, and is not
-/// checked.
+/// uses. A file without contracts, machines, lines and layouts is a library for other files, and is
+/// not checked.
 pub(super) fn file(
     tree: &ast::File,
     importers: &[&ast::File],

@@ -124,7 +124,7 @@ impl Printer<'_> {
         self.name(&t.name);
         self.part_capacity(t.capacity);
         self.block(place, &t.routes, true, |p, _, route| {
-            p.transport_route(route)
+            p.transport_route(route);
         });
     }
 

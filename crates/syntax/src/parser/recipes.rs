@@ -11,6 +11,9 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     let code = after_comments(text);
     let word = word_at(code);
     let rest = after_comments(&code[word.len()..]);
+    if context == Rule::bad_layout_item && word == "at" {
+        return without_state(file, start + text.len() - rest.len(), rest);
+    }
     let (rule, begins_item) = match context {
         Rule::bad_resource_item => (Rule::only_resource_item, word == "nop"),
         Rule::bad_transport_item => (Rule::only_transport_item, rest.starts_with([':', ','])),
@@ -39,6 +42,36 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     Some(finding_of(file, start, text, &error))
 }
 
+/// Returns the finding for a statement `at start` that names no state, from the text after `at`.
+fn without_state(file: FileId, start: usize, text: &str) -> Option<Diagnostic> {
+    let mut rest = text;
+    let mut next = || {
+        let word = word_at(rest);
+        rest = after_comments(&rest[word.len()..]);
+        word
+    };
+    let (first, resource, holds) = (next(), next(), next());
+    let is_stock = rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+    // A state can have this name, too.
+    let is_state = word_at(rest) == "holds";
+    if first != "start" || holds != "holds" || !is_stock || is_state {
+        return None;
+    }
+    let end = rest.find(['\n', '\r', '/', ';', '}']).unwrap_or(rest.len());
+    let parts = rest[..end].trim_end();
+    let at = start + text.len() - rest.len();
+    Some(
+        Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, at, at + parts.len()),
+            format!("the state of `{resource}` is missing before `holds`"),
+        )
+        .with_help(format!(
+            "write in which state it is at the start: `at start {resource} s0 holds {parts}`"
+        )),
+    )
+}
+
 /// Returns the name of a context for messages, and what can begin an item there.
 pub(super) fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
     match context {
@@ -56,13 +89,12 @@ pub(super) fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) 
 pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
     Some(match rule {
         Rule::action => "an operation, `in` or `out`",
-        Rule::taking => "`in`",
+        Rule::taking | Rule::lasts => "`in`",
         Rule::giving => "`out`",
         Rule::hidden => "`internal`",
         Rule::transfer_label => "a label, such as `in:3`",
-        Rule::lasts => "`in`",
         Rule::draws => "`power`",
-        Rule::initially => "`at`",
+        Rule::initially | Rule::tested_at => "`at`",
         Rule::holds => "`holds`",
         Rule::resource_kind => "`:`",
         Rule::dock | Rule::docks => "a resource",
@@ -71,7 +103,6 @@ pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
         Rule::recipe_step | Rule::recipe_call => "an operation, such as `insert(p, h)(h2)`",
         Rule::recipe_guard => "`when`",
         Rule::otherwise => "`otherwise`",
-        Rule::tested_at => "`at`",
         Rule::wanted => "a recipe",
         _ => return None,
     })

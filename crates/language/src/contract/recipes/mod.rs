@@ -5,6 +5,7 @@
 mod findings;
 mod layout;
 mod process;
+mod resource;
 mod transport;
 
 use super::recipe::{Layout, Realization, Recipe, WantedRecipe};
@@ -79,7 +80,10 @@ pub(super) fn realize(
             )),
         }
     }
-    let first = decl.recipes.first().map_or(decl.layout.span, |r| r.name.span);
+    let first = decl
+        .recipes
+        .first()
+        .map_or(decl.layout.span, |r| r.name.span);
     let is_complete = recipes.len() == decl.recipes.len();
     Some(Realization {
         layout: decl.layout.text.clone(),
