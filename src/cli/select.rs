@@ -4,7 +4,7 @@ use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::outline;
 use crate::contract::Contract;
-use crate::contract::set::{SettableNumber, Setting, Settings};
+use crate::contract::set::{Owner, SettableNumber, Setting, Settings};
 use crate::diagnostics::{codes, has_errors};
 use crate::engine::files::{self, LoadedFiles};
 use crate::source::Span;
@@ -98,7 +98,7 @@ impl Selection {
     /// The numbers of a line that can be set; none if they cannot be read any more.
     pub fn settable(&self, line: &str, options: &GlobalOptions) -> Vec<SettableNumber> {
         let standard = files::StandardLibrary::new(options.library.clone());
-        files::settable(&self.path, &standard, Some(line)).unwrap_or_default()
+        files::settable(&self.path, &standard, Owner::Line, Some(line)).unwrap_or_default()
     }
 
     fn read(&self, options: &GlobalOptions) -> LoadedFiles {
@@ -108,7 +108,8 @@ impl Selection {
     fn read_with(&self, settings: &[Setting], options: &GlobalOptions) -> LoadedFiles {
         let standard = files::StandardLibrary::new(options.library.clone());
         let settings = Settings {
-            line: self.name.as_deref(),
+            of: Owner::Line,
+            name: self.name.as_deref(),
             list: settings,
         };
         files::load_with(std::slice::from_ref(&self.path), &standard, settings)

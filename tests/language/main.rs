@@ -8,9 +8,9 @@ mod explanations;
 mod format;
 mod forms;
 mod printed;
-mod recipes;
 #[path = "../fuzz/program.rs"]
 mod program;
+mod recipes;
 mod robustness;
 mod sarif;
 mod semantics;

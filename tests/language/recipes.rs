@@ -1,7 +1,8 @@
 //! Layouts and recipes, from text to the models of the crate `recipe`. Errors are in `cases/`.
 
 use linewright::contract::recipe::{Layout, Recipe};
-use linewright::contract::{Library, load};
+use linewright::contract::set::{Owner, Setting, Settings};
+use linewright::contract::{Library, load, load_with, settable};
 use linewright::diagnostics::{Diagnostic, Severity};
 use linewright::syntax::ast::Item;
 use linewright::syntax::parse;
@@ -260,6 +261,119 @@ fn work_can_be_there_at_the_start() {
     );
 }
 
+/// The demonstrator with numbers of its layout set from outside.
+fn set(list: &[&str]) -> (Library, Vec<Diagnostic>) {
+    let list: Vec<Setting> = (list.iter())
+        .map(|text| text.parse().expect("a setting"))
+        .collect();
+    let settings = Settings {
+        of: Owner::Layout,
+        name: None,
+        list: &list,
+    };
+    let text = pad_with(
+        "const CYCLE = 3 s\nresource rack at s holds 5 { s -> s: sort nop s }\nat start rack s holds 2 Pin",
+    );
+    let files = [("a.lw".to_owned(), text)];
+    load_with(&files, &|_, _| Err("there is none".to_owned()), settings)
+}
+
+#[test]
+fn numbers_of_a_layout_can_be_set() {
+    let (plain, findings) = set(&[]);
+    assert_eq!(findings, []);
+    let text = plain.sources.files().next().expect("the file").1;
+    let text = text.text.to_string();
+    let files = [("a.lw".to_owned(), text)];
+    let numbers = settable(
+        &files,
+        &|_, _| Err("there is none".to_owned()),
+        Owner::Layout,
+        Some("Pad"),
+    );
+    let names: Vec<&str> = (numbers.iter())
+        .filter_map(|n| n.names.first())
+        .map(String::as_str)
+        .collect();
+    for name in [
+        "CYCLE",
+        "r3.holds",
+        "r3.s1.s2.glue.time",
+        "r1.load.power",
+        "r5.r1.r2.time",
+        "rack.Pin",
+    ] {
+        assert!(names.contains(&name), "{name} is not in {names:?}");
+    }
+    // A number set to itself changes nothing, under its shortest and its full name.
+    for which in [<[String]>::first, <[String]>::last] {
+        let own: Vec<String> = (numbers.iter())
+            .filter_map(|n| Some(format!("{}={}", which(&n.names)?, n.value.as_ref()?)))
+            .collect();
+        let own: Vec<&str> = own.iter().map(String::as_str).collect();
+        let (same, findings) = set(&own);
+        assert_eq!(findings, []);
+        assert_eq!(same.layouts[0].model, plain.layouts[0].model);
+    }
+    let (changed, findings) = set(&[
+        "rack.Pin=4",
+        "rack.holds=4",
+        "r5.r1.r2.time=2 min",
+        "r1.load.time=CYCLE * 2",
+        "r1.load.power=1 kW",
+        "CYCLE=5 s",
+    ]);
+    assert_eq!(findings, []);
+    let rack = changed.layouts[0].model.resource("rack").expect("a rack");
+    let rack = &changed.layouts[0].model.resources[rack];
+    assert_eq!((rack.capacity, rack.holds.len()), (4, 4));
+    assert!(transitions(&changed, "r5").contains(&"r1 -> empty: out:2 in 120".to_owned()));
+    assert!(
+        transitions(&changed, "r1").contains(&"s0 -> s1: load in 10 power 1000".to_owned()),
+        "{:?}",
+        transitions(&changed, "r1")
+    );
+}
+
+#[test]
+fn wrong_settings_of_a_layout_are_reported() {
+    for (setting, code, message) in [
+        (
+            "r9.holds=2",
+            "LW101",
+            "`Pad` has no resource, transport or constant `r9`",
+        ),
+        (
+            "r1.hold=2",
+            "LW101",
+            "`r1` has no number `r1.hold` that can be set",
+        ),
+        (
+            "rack.holds=0",
+            "LW105",
+            "0 parts are not a possible capacity",
+        ),
+        (
+            "rack.holds=1",
+            "LW603",
+            "`rack` has room for 1, but would hold 2 at the start",
+        ),
+        ("r1.load.time=2 W", "LW103", ""),
+    ] {
+        let (_, findings) = set(&[setting]);
+        let found: Vec<_> = findings
+            .iter()
+            .map(|f| (f.code.id, f.message.as_str()))
+            .collect();
+        assert!(
+            found
+                .iter()
+                .any(|(id, text)| *id == code && text.starts_with(message)),
+            "{setting}: {found:?}"
+        );
+    }
+}
+
 /// Only `in` and `out` are no names of operations; everything else may be one, or a state.
 #[test]
 fn words_are_names_where_their_place_does_not_need_them() {
@@ -305,7 +419,7 @@ realize {word} on {word}
 #[test]
 fn a_finding_in_a_recipe_does_not_hide_others() {
     let (library, findings) = read(
-        &PAD.replace("h2)(h2)\n    b", "h3)(h2)\n    b")
+        &PAD.replacen("h2)(h2)\n    b", "h3)(h2)\n    b", 1)
             .replace("end d, e", "end d, f"),
     );
     let errors: Vec<_> = findings

@@ -11,7 +11,7 @@ use include_dir::{Dir, include_dir};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use linewright_interchange::{self as interchange, Format, Reading};
-use linewright_language::contract::set::{SettableNumber, Settings};
+use linewright_language::contract::set::{Owner, SettableNumber, Settings};
 use linewright_language::contract::{self, Contract, Library};
 use linewright_station::disk;
 use std::cell::RefCell;
@@ -240,7 +240,7 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
     load_with(paths, standard, Settings::default())
 }
 
-/// Like [`load`], with numbers of one line set from outside of its file.
+/// Like [`load`], with numbers of one line or layout set from outside of its file.
 pub fn load_with(
     paths: &[String],
     standard: &StandardLibrary,
@@ -299,19 +299,20 @@ pub fn load_with(
     loaded
 }
 
-/// Returns the numbers of a line that can be set; see [`contract::settable`].
+/// Returns the numbers of a line or layout that can be set; see [`contract::settable`].
 ///
 /// # Errors
 /// Returns the reason if the file cannot be read.
 pub fn settable(
     path: &str,
     standard: &StandardLibrary,
-    line: Option<&str>,
+    of: Owner,
+    owner: Option<&str>,
 ) -> Result<Vec<SettableNumber>, String> {
     let name = clean(Path::new(path));
     let text = read(Path::new(path))?;
     let loader = |path: &str, importer: &str| standard.import(path, importer);
-    Ok(contract::settable(&[(name, text)], &loader, line))
+    Ok(contract::settable(&[(name, text)], &loader, of, owner))
 }
 
 /// Returns the given paths, or the default folder if there are none. An empty result stands for the

@@ -5,7 +5,7 @@ use crate::support::files_below;
 use crate::support::{PROGRAM, documents, root};
 use linewright::contract::Library;
 use linewright::contract::line::Line;
-use linewright::contract::set::{SettableNumber, Setting, Settings};
+use linewright::contract::set::{Owner, SettableNumber, Setting, Settings};
 use linewright::engine::files::{self, LoadedFiles, StandardLibrary};
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -265,8 +265,13 @@ fn cases(folder: &Path) -> Vec<Case> {
         let sources = loaded.library.sources;
         let own = lines.filter(|l| sources.file(l.span.file).name == name);
         let cases = own.map(|line| Case {
-            numbers: files::settable(&name, &StandardLibrary::default(), Some(&line.name))
-                .expect("a file"),
+            numbers: files::settable(
+                &name,
+                &StandardLibrary::default(),
+                Owner::Line,
+                Some(&line.name),
+            )
+            .expect("a file"),
             path: path.clone(),
             line: line.name,
         });
@@ -299,7 +304,8 @@ fn setting(name: &str, value: &str) -> Setting {
 
 fn with(case: &Case, list: &[Setting]) -> Option<String> {
     let settings = Settings {
-        line: Some(&case.line),
+        of: Owner::Line,
+        name: Some(&case.line),
         list,
     };
     model(&load(&case.path, settings).library, &case.line)

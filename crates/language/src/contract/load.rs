@@ -4,7 +4,7 @@ use super::definitions::definitions;
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::recipe::Realization;
 use super::scope::Scope;
-use super::set::{Changes, SettableNumber, Settings, Target};
+use super::set::{Changes, Owner, SettableNumber, Settings, Target};
 use super::table::Tables;
 use super::uses::{self, PossibleUses};
 use super::{Library, Loader, lines, machines, recipes, skills};
@@ -49,7 +49,7 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
     load_with(files, loader, Settings::default())
 }
 
-/// Like [`load`], with numbers of one line set from outside.
+/// Like [`load`], with numbers of one line or layout set from outside.
 pub fn load_with(
     files: &[(String, String)],
     loader: &Loader<'_>,
@@ -113,20 +113,22 @@ pub fn load_with(
     (library, unique)
 }
 
-/// Returns the numbers of a line that can be set with [`load_with`]; none if there is no such line.
+/// Returns the numbers of a line or layout that can be set with [`load_with`]; none if there is no
+/// such line or layout.
 pub fn settable(
     files: &[(String, String)],
     loader: &Loader<'_>,
-    line: Option<&str>,
+    of: Owner,
+    name: Option<&str>,
 ) -> Vec<SettableNumber> {
     let reader = Reader::of(files, loader);
-    let Some((index, name)) = line_to_set(&reader.files, line) else {
+    let Some((index, name)) = owner_to_set(&reader.files, of, name) else {
         return Vec::new();
     };
-    target(&reader.files, index, name).settable(&reader.sources)
+    target(&reader.files, index, of, name).settable(&reader.sources)
 }
 
-/// Sets numbers of a line. Without such a line, nothing is set: the caller reports it.
+/// Sets numbers of a line or layout. If it does not exist, nothing is set: the caller reports it.
 fn set(
     files: &mut [File],
     settings: Settings<'_>,
@@ -136,10 +138,10 @@ fn set(
     if settings.list.is_empty() {
         return Changes::default();
     }
-    let Some((index, name)) = line_to_set(files, settings.line) else {
+    let Some((index, name)) = owner_to_set(files, settings.of, settings.name) else {
         return Changes::default();
     };
-    let mut target = target(files, index, name);
+    let mut target = target(files, index, settings.of, name);
     let changes = target.apply(settings.list, sources, findings);
     let items = target.items;
     let places = files[index].tree.places.clone();
@@ -165,24 +167,32 @@ fn read_tables(files: &[File], loader: &Loader<'_>, sources: &mut SourceMap) -> 
     tables
 }
 
-/// Finds the line with this name, first in the requested files; or else the only line of the
-/// requested files. Returns the index of its file, and its name.
-fn line_to_set<'f>(files: &'f [File], name: Option<&str>) -> Option<(usize, &'f ast::Name)> {
-    let lines = files.iter().enumerate().flat_map(|(index, file)| {
-        file.tree.items.iter().filter_map(move |item| match item {
-            ast::Item::Line(line) => Some((index, &line.name)),
-            _ => None,
-        })
+/// Finds the line or layout with this name, first in the requested files; or else the only one of
+/// the requested files. Returns the index of its file, and its name.
+fn owner_to_set<'f>(
+    files: &'f [File],
+    of: Owner,
+    name: Option<&str>,
+) -> Option<(usize, &'f ast::Name)> {
+    let owners = files.iter().enumerate().flat_map(|(index, file)| {
+        file.tree
+            .items
+            .iter()
+            .filter_map(move |item| match (item, of) {
+                (ast::Item::Line(line), Owner::Line) => Some((index, &line.name)),
+                (ast::Item::Layout(layout), Owner::Layout) => Some((index, &layout.name)),
+                _ => None,
+            })
     });
-    let mut requested = lines.clone().filter(|(i, _)| files[*i].is_requested);
+    let mut requested = owners.clone().filter(|(i, _)| files[*i].is_requested);
     if let Some(name) = name {
-        return requested.chain(lines).find(|(_, n)| n.text == name);
+        return requested.chain(owners).find(|(_, n)| n.text == name);
     }
     requested.next().filter(|_| requested.next().is_none())
 }
 
-/// A line in its file, as [`set::Target`](super::set) needs it.
-fn target<'f>(files: &'f [File], index: usize, line: &'f ast::Name) -> Target<'f> {
+/// A line or layout in its file, as [`set::Target`](super::set) needs it.
+fn target<'f>(files: &'f [File], index: usize, of: Owner, name: &'f ast::Name) -> Target<'f> {
     let visible = closure(files, index);
     let mut machines = BTreeMap::new();
     for item in visible.iter().flat_map(|file| &files[*file].tree.items) {
@@ -193,7 +203,8 @@ fn target<'f>(files: &'f [File], index: usize, line: &'f ast::Name) -> Target<'f
     }
     Target {
         items: files[index].tree.items.clone(),
-        line,
+        of,
+        name,
         machines,
         is_malformed: visible
             .iter()
@@ -425,7 +436,8 @@ fn closure(files: &[File], index: usize) -> Vec<usize> {
     order
 }
 
-/// Resolves the contracts, machines, lines, layouts and recipes of a file, and adds them to the library.
+/// Resolves the contracts, machines, lines, layouts and recipes of a file, and adds them to the
+/// library.
 fn resolve(
     file: &File,
     scope: &Scope<'_>,

@@ -1,10 +1,11 @@
-//! Numbers that are set from outside of a line's file, as by `linewright run --set`.
+//! Numbers that are set from outside of the file of a line or layout, as by `linewright run --set`.
 //!
 //! Values are set in the syntax tree, after parsing and before names are resolved, so that they are
 //! checked as if they stood in the file. Each option is a source of its own, so that findings point
 //! into its text. A number of a machine is set for one station or conveyor only: the resolver gets
 //! a copy of the machine's declaration for that place.
 
+mod layouts;
 mod slots;
 
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
@@ -18,7 +19,7 @@ use std::str::FromStr;
 /// Maximum number of names in a help text.
 const MAX_NAMES: usize = 16;
 
-/// A number of a line and the value that it gets: `capper.takes=2 s`.
+/// A number of a line or layout and the value that it gets: `capper.takes=2 s`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Setting {
     /// The text as given.
@@ -90,16 +91,28 @@ impl Setting {
     }
 }
 
-/// Settings of one line.
+/// What has numbers that can be set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Owner {
+    /// A line.
+    #[default]
+    Line,
+    /// A layout.
+    Layout,
+}
+
+/// Settings of one line or layout.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Settings<'a> {
-    /// Name of the line; `None` for the only line of the requested files.
-    pub line: Option<&'a str>,
+    /// Whether it is a line or a layout.
+    pub of: Owner,
+    /// Its name; `None` for the only one of the requested files.
+    pub name: Option<&'a str>,
     /// What is set.
     pub list: &'a [Setting],
 }
 
-/// A number of a line that can be set.
+/// A number of a line or layout that can be set.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SettableNumber {
     /// Names, the shortest first. A name that several numbers have is left out.
@@ -112,12 +125,14 @@ pub struct SettableNumber {
     pub place: Option<Span>,
 }
 
-/// A line in its file, with everything that settings refer to.
+/// A line or layout in its file, with everything that settings refer to.
 pub(super) struct Target<'t> {
-    /// Items of the line's file.
+    /// Items of the file.
     pub items: Vec<ast::Item>,
-    /// Name of the line, and its place.
-    pub line: &'t ast::Name,
+    /// Whether it is a line or a layout.
+    pub of: Owner,
+    /// Its name, and the place of the name.
+    pub name: &'t ast::Name,
     /// Machines that are visible in the file.
     pub machines: BTreeMap<&'t str, &'t ast::Machine>,
     /// Whether a syntax error could be the reason why a name is not found.
@@ -160,8 +175,8 @@ struct Known {
 
 impl Target<'_> {
     fn for_each(&mut self, variants: &mut Variants, visit: &mut dyn FnMut(Slot<'_>)) {
-        let line = self.line.span;
-        slots::for_each(&mut self.items, line, &self.machines, variants, visit);
+        let owner = self.name.span;
+        slots::for_each(&mut self.items, owner, &self.machines, variants, visit);
     }
 
     fn known(&mut self) -> Vec<Known> {
@@ -268,7 +283,7 @@ impl Target<'_> {
 
     /// Reports a name that no number has.
     fn unknown(&self, known: &[Known], name: &str, span: Span) -> Diagnostic {
-        let line = &self.line.text;
+        let target = &self.name.text;
         let unique = unique_names(known);
         let of = |n: &str| n.split('.').next().unwrap_or(n).to_owned();
         let rest_of = |n: &str| n.split_once('.').map_or("", |(_, rest)| rest).to_owned();
@@ -310,12 +325,13 @@ impl Target<'_> {
         }
         let places: Vec<&str> = places.iter().map(String::as_str).collect();
         let declared = self.items.iter().any(|item| match item {
-            ast::Item::Line(l) => l.name.span == self.line.span && declares(l, &place),
+            ast::Item::Line(l) => l.name.span == self.name.span && declares(l, &place),
+            ast::Item::Layout(l) => l.name.span == self.name.span && has_resource(l, &place),
             _ => false,
         });
         if declared {
             return error(format!("`{place}` has no number that can be set"))
-                .with_help(format!("`{line}` has numbers in {}", quoted(&places)));
+                .with_help(format!("`{target}` has numbers in {}", quoted(&places)));
         }
         let help = match nearest(&place, places.iter().copied()) {
             Some(owner) => near_in(owner).map_or_else(
@@ -325,12 +341,13 @@ impl Target<'_> {
                 },
                 |near| format!("did you mean `{near}`?"),
             ),
-            None => format!("`{line}` has numbers in {}", quoted(&places)),
+            None => format!("`{target}` has numbers in {}", quoted(&places)),
         };
-        error(format!(
-            "`{line}` has no place, constant or requirement `{place}`"
-        ))
-        .with_help(help)
+        let kinds = match self.of {
+            Owner::Line => "place, constant or requirement",
+            Owner::Layout => "resource, transport or constant",
+        };
+        error(format!("`{target}` has no {kinds} `{place}`")).with_help(help)
     }
 }
 
@@ -346,6 +363,17 @@ fn declares(line: &ast::Line, name: &str) -> bool {
         | Conveyor { name: n, .. }
         | Station { name: n, .. }
         | Requirement { name: n, .. } => n.text == name,
+        _ => false,
+    })
+}
+
+/// Whether a layout declares a resource or a transport with this name.
+fn has_resource(layout: &ast::Layout, name: &str) -> bool {
+    use ast::LayoutItem::{Duplicate, Resource, Transport};
+    layout.items.iter().any(|item| match item {
+        Resource(r) => r.name.text == name,
+        Transport(t) => t.name.text == name,
+        Duplicate { name: n, .. } => n.text == name,
         _ => false,
     })
 }

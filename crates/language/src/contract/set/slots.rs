@@ -1,4 +1,5 @@
-//! The numbers of a line that can be set: their names, and where their values are in the tree.
+//! The numbers of a line or layout that can be set: their names, and where their values are in the
+//! tree.
 //!
 //! [`for_each`] visits them in a fixed order. Names are given in tiers: a name that an earlier tier
 //! has given belongs to it alone, so `belt.power` is the power of the conveyor and not that of its
@@ -42,12 +43,12 @@ pub(super) enum Present {
     Count(u64),
 }
 
-/// Visits all numbers of a line that can be set: `constants` are the file's own declarations, and
-/// `machines` the declarations that are visible in the file. A machine whose numbers were changed
-/// for one place is added to `variants`.
+/// Visits all numbers that can be set of the line or layout whose name is at `owner`: `items` are
+/// the file's own declarations, and `machines` those that are visible in the file. A machine whose
+/// numbers were changed for one place is added to `variants`.
 pub(super) fn for_each(
     items: &mut [ast::Item],
-    line: Span,
+    owner: Span,
     machines: &BTreeMap<&str, &ast::Machine>,
     variants: &mut Variants,
     visit: &mut dyn FnMut(Slot<'_>),
@@ -58,10 +59,10 @@ pub(super) fn for_each(
         visit,
     };
     for item in items.iter_mut() {
-        if let ast::Item::Line(l) = item
-            && l.name.span == line
-        {
-            slots.line(l, machines, variants);
+        match item {
+            ast::Item::Line(l) if l.name.span == owner => slots.line(l, machines, variants),
+            ast::Item::Layout(l) if l.name.span == owner => slots.layout(l),
+            _ => {}
         }
     }
     slots.end_tier();
@@ -73,7 +74,7 @@ pub(super) fn for_each(
 }
 
 /// The expression of a value; the parser has checked its kind.
-fn expression(value: Value) -> (Expr, bool) {
+pub(super) fn expression(value: Value) -> (Expr, bool) {
     match value {
         Value::Expression(value, words) => (value, words),
         Value::Time(..) | Value::Count(_) => unreachable!("another syntax was asked for"),
@@ -101,7 +102,7 @@ fn duration(value: Value) -> (TimeValue, bool) {
     }
 }
 
-fn count(value: &Value) -> u64 {
+pub(super) fn count(value: &Value) -> u64 {
     match value {
         Value::Count(count) => *count,
         Value::Expression(..) | Value::Time(..) => {
@@ -122,7 +123,7 @@ struct MachineUse<'u> {
     always: &'u BTreeSet<String>,
 }
 
-struct Slots<'v> {
+pub(super) struct Slots<'v> {
     /// Names that earlier tiers have given.
     given: BTreeSet<String>,
     /// Names of this tier.
@@ -136,7 +137,7 @@ impl Slots<'_> {
         self.given.append(&mut self.tier.drain(..).collect());
     }
 
-    fn slot(
+    pub(super) fn slot(
         &mut self,
         names: impl IntoIterator<Item = String>,
         syntax: ValueSyntax,
@@ -146,7 +147,7 @@ impl Slots<'_> {
         self.slot_at(names, syntax, present, None, set);
     }
 
-    fn slot_at(
+    pub(super) fn slot_at(
         &mut self,
         names: impl IntoIterator<Item = String>,
         syntax: ValueSyntax,
@@ -168,7 +169,7 @@ impl Slots<'_> {
         }
     }
 
-    fn expression(&mut self, names: impl IntoIterator<Item = String>, value: &mut Expr) {
+    pub(super) fn expression(&mut self, names: impl IntoIterator<Item = String>, value: &mut Expr) {
         let present = Some(Present::Text(value.span));
         self.slot(names, ValueSyntax::Expression, present, |new| {
             *value = expression(new).0;
