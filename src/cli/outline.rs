@@ -2,12 +2,14 @@
 //!
 //! A contract that does not parse is not in the library, but `check` must list it with its
 //! findings. So this module only searches for `contract NAME`, `machine NAME`, `line NAME`,
-//! `skills NAME {`, and for the closing brace of each. The first three are reserved words: at the
-//! beginning of a line they begin a declaration, even if a preceding brace is missing. `skills` can
-//! also be a name; the next tokens decide.
+//! `skills NAME {`, `layout NAME {`, `recipe NAME {`, and for the closing brace of each. The first
+//! three are reserved words: at the beginning of a line they begin a declaration, even if a
+//! preceding brace is missing. The others can also be names; the next tokens decide.
 
 use crate::source::{FileId, SourceMap, Span};
-use crate::syntax::{begins_skill_set, declares_inner_machine, declares_skill_set};
+use crate::syntax::{
+    begins_skill_set, declares_inner_machine, declares_layout_or_recipe, declares_skill_set,
+};
 
 /// Kind of a declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -20,6 +22,10 @@ pub enum Kind {
     Line,
     /// `skills`
     Skills,
+    /// `layout`
+    Layout,
+    /// `recipe`
+    Recipe,
 }
 
 /// A declaration and its extent in the text.
@@ -69,6 +75,15 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
                 depth = 0;
                 keyword = Some((Kind::Skills, start));
             }
+            "layout" | "recipe" if begins_layout_or_recipe(text, start, token, depth) => {
+                depth = 0;
+                let kind = if token == "layout" {
+                    Kind::Layout
+                } else {
+                    Kind::Recipe
+                };
+                keyword = Some((kind, start));
+            }
             "{" | "(" | "[" => depth += 1,
             "}" | ")" | "]" => {
                 depth = depth.saturating_sub(1);
@@ -102,6 +117,12 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
 fn begins_skills(text: &str, end: usize, depth: usize) -> bool {
     let (start, rest) = (end - "skills".len(), &text[end..]);
     depth == 0 && begins_skill_set(rest) || begins_line(text, start) && declares_skill_set(rest)
+}
+
+/// Whether `layout` or `recipe` begins a declaration.
+fn begins_layout_or_recipe(text: &str, start: usize, word: &str, depth: usize) -> bool {
+    (depth == 0 || begins_line(text, start))
+        && declares_layout_or_recipe(&text[start + word.len()..])
 }
 
 /// Whether nothing but `moore` precedes this position in its line.
@@ -200,6 +221,20 @@ mod tests {
         let set = "skills U { component c { G } }";
         let found = outline(set);
         assert_eq!((found[0].1.as_str(), found[0].2.as_str()), ("U", set));
+    }
+
+    #[test]
+    fn a_layout_or_recipe_needs_a_name_and_a_brace() {
+        let layout = "layout L { resource recipe at s { s -> s: a } }";
+        let recipe = "recipe R { a -> b: layout()() }";
+        let text = format!("const layout = 2\n{layout}\n{recipe}\nrealize R on L\nline N {{}}");
+        let found = outline(&text);
+        let short: Vec<(Kind, &str)> = found.iter().map(|d| (d.0, d.1.as_str())).collect();
+        let wanted = [(Kind::Layout, "L"), (Kind::Recipe, "R"), (Kind::Line, "N")];
+        assert_eq!(short, wanted);
+        assert_eq!((found[0].2.as_str(), found[1].2.as_str()), (layout, recipe));
+        let open = outline("layout A { resource r at s {\nrecipe B { a -> b }");
+        assert_eq!(open.len(), 2);
     }
 
     /// As in the grammar, a single carriage return also ends a line.

@@ -65,6 +65,8 @@ impl Assembly<'_> {
             semantics: "strict",
             contracts: Vec::new(),
             skills: Vec::new(),
+            layouts: Vec::new(),
+            recipes: Vec::new(),
             machines: Vec::new(),
             lines: Vec::new(),
             findings: Vec::new(),
@@ -115,6 +117,16 @@ impl Assembly<'_> {
                     Kind::Skills => {
                         let entry = self.skills(file, declaration, &mut findings);
                         document.skills.push(entry);
+                    }
+                    Kind::Layout => {
+                        document
+                            .layouts
+                            .push(self.layout(file, declaration, &findings));
+                    }
+                    Kind::Recipe => {
+                        document
+                            .recipes
+                            .push(self.recipe(file, declaration, &findings));
                     }
                 }
                 all.extend(findings);

@@ -33,6 +33,12 @@ pub(super) struct Document {
     /// Sets of skills; omitted if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) skills: Vec<SkillsEntry>,
+    /// Layouts of resources; omitted if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) layouts: Vec<LayoutEntry>,
+    /// Recipes; omitted if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) recipes: Vec<RecipeEntry>,
     /// The machines.
     pub(super) machines: Vec<MachineEntry>,
     /// The production lines.
@@ -144,13 +150,13 @@ pub(super) struct WellSeparation {
     pub(super) forced_ignoring_guarantees: [u64; 2],
 }
 
-/// Whether a line can be run.
+/// Whether a line can be run, or a layout or a recipe be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Validity {
     /// No problems found.
     Valid,
-    /// The line, or one of its machines, has an error.
+    /// It, or a machine of the line, has an error.
     Invalid,
     /// A limit was reached before it was decided whether a machine, in the size that the line gives
     /// it, has controllers.
@@ -201,6 +207,38 @@ pub(super) struct SkillsEntry {
     /// The number of rules in the set.
     pub(super) rules: usize,
     /// Findings about the set of skills.
+    pub(super) findings: Vec<json::Finding>,
+}
+
+/// Result for a layout of resources.
+#[derive(Debug, JsonSchema, Serialize)]
+pub(super) struct LayoutEntry {
+    /// The name of the layout.
+    pub(super) name: String,
+    /// The file that declares the layout.
+    pub(super) file: String,
+    /// Whether the layout can be used.
+    pub(super) verdict: Validity,
+    /// The number of its resources, with the places of its transports; 0 if it is invalid.
+    pub(super) resources: usize,
+    /// Findings about the layout.
+    pub(super) findings: Vec<json::Finding>,
+}
+
+/// Result for a recipe.
+#[derive(Debug, JsonSchema, Serialize)]
+pub(super) struct RecipeEntry {
+    /// The name of the recipe.
+    pub(super) name: String,
+    /// The file that declares the recipe.
+    pub(super) file: String,
+    /// Whether the recipe can be used.
+    pub(super) verdict: Validity,
+    /// The number of its states; 0 if it is invalid.
+    pub(super) states: usize,
+    /// The number of its transitions; 0 if it is invalid.
+    pub(super) transitions: usize,
+    /// Findings about the recipe.
     pub(super) findings: Vec<json::Finding>,
 }
 

@@ -6,6 +6,8 @@ mod document;
 mod explained;
 mod flow;
 mod grounds;
+mod recipe_page;
+mod recipes;
 mod report;
 mod table;
 mod view;

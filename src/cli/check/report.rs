@@ -2,6 +2,7 @@
 
 use super::assembly::Assembly;
 use super::document::{ContractEntry, Document, LineEntry, MachineEntry, PlayEntry, SkillsEntry};
+use super::recipe_page;
 use super::table::{Mark, by_severity, in_words, line_verdict, summary_of_verdicts, term};
 use super::{changes, explained, flow, grounds};
 use crate::contract::line::{Line, NodeKind, Supply};
@@ -37,6 +38,11 @@ pub(super) fn page(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>
         ("lines", "Lines", !document.lines.is_empty()),
         ("machines", "Machines", !document.machines.is_empty()),
         ("skills", "Skills", !document.skills.is_empty()),
+        (
+            recipe_page::ID,
+            recipe_page::TITLE,
+            recipe_page::is_shown(document),
+        ),
         ("contracts", "Contracts", !document.contracts.is_empty()),
         (terms::LINK.0, terms::LINK.1, !terms.0.is_empty()),
         ("model", "Files", true),
@@ -89,6 +95,9 @@ fn main(assembly: &Assembly<'_>, document: &Document, of: &Origin<'_>) -> Markup
                 @for (number, entry) in document.skills.iter().enumerate() { (skills(number, entry, of.sources)) }
             }))
         }
+        @if recipe_page::is_shown(document) {
+            (section(recipe_page::ID, recipe_page::TITLE, &recipe_page::section(document, of.sources)))
+        }
         @if !document.contracts.is_empty() {
             (section("contracts", "Contracts", &html! {
                 @for (number, entry) in document.contracts.iter().enumerate() { (contract(assembly, number, entry, of.sources)) }
@@ -130,22 +139,25 @@ fn all_findings(document: &Document) -> impl Iterator<Item = &Finding> {
     let lines = document.lines.iter().map(|entry| &entry.findings);
     let machines = document.machines.iter().map(|entry| &entry.findings);
     let skills = document.skills.iter().map(|entry| &entry.findings);
+    let layouts = document.layouts.iter().map(|entry| &entry.findings);
+    let recipes = document.recipes.iter().map(|entry| &entry.findings);
     let contracts = document.contracts.iter().map(|entry| &entry.findings);
     let outside = std::iter::once(&document.findings);
-    let all = lines.chain(machines).chain(skills).chain(contracts);
+    let all = lines.chain(machines).chain(skills).chain(layouts);
+    let all = all.chain(recipes).chain(contracts);
     all.chain(outside).flatten()
 }
 
 /// A declaration in the table of results.
-struct Row<'a> {
-    id: String,
-    name: &'a str,
-    kind: &'static str,
-    mark: Mark,
-    verdict: String,
-    details: String,
-    file: &'a str,
-    findings: &'a [Finding],
+pub(super) struct Row<'a> {
+    pub(super) id: String,
+    pub(super) name: &'a str,
+    pub(super) kind: &'static str,
+    pub(super) mark: Mark,
+    pub(super) verdict: String,
+    pub(super) details: String,
+    pub(super) file: &'a str,
+    pub(super) findings: &'a [Finding],
 }
 
 /// A table of everything that was checked, with links to the details.
@@ -187,6 +199,7 @@ fn results(document: &Document) -> Markup {
             findings: &s.findings,
         });
     }
+    rows.extend(recipe_page::rows(document));
     for (number, c) in document.contracts.iter().enumerate() {
         rows.push(Row {
             id: id("contract", number),
@@ -233,12 +246,12 @@ fn terms(codes: &[String]) -> String {
 }
 
 /// The anchor of a declaration. Several files can declare the same name.
-fn id(kind: &str, number: usize) -> String {
+pub(super) fn id(kind: &str, number: usize) -> String {
     format!("{kind}-{}", number + 1)
 }
 
 /// The frame of a declaration: its name, file and verdict.
-fn declaration(
+pub(super) fn declaration(
     id: &str,
     (name, file): (&str, &str),
     mark: Mark,

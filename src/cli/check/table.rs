@@ -165,6 +165,28 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
             cells,
         });
     }
+    for l in &document.layouts {
+        let mut cells = vec![String::new(); COLUMNS];
+        cells[0] = format!("layout {}", l.name);
+        cells[2] = count(l.resources, "resource");
+        cells[3] = in_words(l.verdict);
+        cells[6] = file(&l.file);
+        rows.push(Row {
+            mark: l.verdict.into(),
+            cells,
+        });
+    }
+    for r in &document.recipes {
+        let mut cells = vec![String::new(); COLUMNS];
+        cells[0] = format!("recipe {}", r.name);
+        cells[2] = count(r.transitions, "transition");
+        cells[3] = in_words(r.verdict);
+        cells[6] = file(&r.file);
+        rows.push(Row {
+            mark: r.verdict.into(),
+            cells,
+        });
+    }
     for m in &document.machines {
         let empty = String::new;
         rows.push(Row {
@@ -251,6 +273,12 @@ pub(super) fn short(document: &Document) -> String {
     }
     for s in &document.skills {
         let _ = writeln!(text, "{}: skills {}: {}", s.file, s.name, s.verdict);
+    }
+    for l in &document.layouts {
+        let _ = writeln!(text, "{}: layout {}: {}", l.file, l.name, l.verdict);
+    }
+    for r in &document.recipes {
+        let _ = writeln!(text, "{}: recipe {}: {}", r.file, r.name, r.verdict);
     }
     for m in &document.machines {
         let _ = writeln!(text, "{}: machine {}: {}", m.file, m.name, m.verdict);

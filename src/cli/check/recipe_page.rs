@@ -1,0 +1,61 @@
+//! Layouts and recipes on the page of a check.
+
+use super::document::Document;
+use super::report::{Row, declaration, id};
+use super::table::in_words;
+use crate::report::html::parts::{count, findings};
+use crate::source::SourceMap;
+use maud::{Markup, html};
+
+/// Id of the section.
+pub(super) const ID: &str = "recipes";
+/// Heading of the section.
+pub(super) const TITLE: &str = "Layouts and recipes";
+
+/// Whether the page has the section.
+pub(super) fn is_shown(document: &Document) -> bool {
+    !document.layouts.is_empty() || !document.recipes.is_empty()
+}
+
+/// Rows of the table of results.
+pub(super) fn rows(document: &Document) -> Vec<Row<'_>> {
+    let layouts = document.layouts.iter().enumerate();
+    let layouts = layouts.map(|(number, entry)| Row {
+        id: id("layout", number),
+        name: &entry.name,
+        kind: "layout",
+        mark: entry.verdict.into(),
+        verdict: in_words(entry.verdict),
+        details: count(entry.resources, "resource"),
+        file: &entry.file,
+        findings: &entry.findings,
+    });
+    let recipes = document.recipes.iter().enumerate();
+    let recipes = recipes.map(|(number, entry)| Row {
+        id: id("recipe", number),
+        name: &entry.name,
+        kind: "recipe",
+        mark: entry.verdict.into(),
+        verdict: in_words(entry.verdict),
+        details: count(entry.transitions, "transition"),
+        file: &entry.file,
+        findings: &entry.findings,
+    });
+    layouts.chain(recipes).collect()
+}
+
+/// The inside of the section: each layout and each recipe, with its findings.
+pub(super) fn section(document: &Document, sources: &SourceMap) -> Markup {
+    html! {
+        @for row in rows(document) {
+            (declaration(
+                &row.id,
+                (row.name, row.file),
+                row.mark,
+                &row.verdict,
+                row.findings,
+                &html! { p { (row.details) "." } (findings(sources, row.findings)) },
+            ))
+        }
+    }
+}
