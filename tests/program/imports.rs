@@ -7,9 +7,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The crates below the command line with the crates that each uses.
-const CRATES: [(&str, &[&str]); 13] = [
+const CRATES: [(&str, &[&str]); 14] = [
     ("core", &[]),
     ("recipe", &[]),
+    ("b2mml", &["recipe"]),
     ("automata", &["core"]),
     ("syntax", &["core"]),
     ("language", &["automata", "core", "recipe", "syntax"]),

@@ -1,14 +1,15 @@
 //! Common support for tests: the built program, a folder to run it in, and a way to report skipped
 //! tests.
-#![allow(dead_code, reason = "each test file uses a part of it")]
+#![allow(dead_code, unused_imports, reason = "each test file uses a part of it")]
 
 pub mod assumed;
 pub mod documents;
+pub mod external;
 pub mod games;
 pub mod programs;
 pub mod wine;
 
-use std::io::Write as _;
+pub use external::{python_with, skip};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -18,22 +19,6 @@ pub const PROGRAM: &str = env!("CARGO_BIN_EXE_linewright");
 /// The top folder of the repository.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// Reports that a test cannot run because `what` is missing. It then counts as skipped in
-/// `.ci/run`; if `LINEWRIGHT_REQUIRE` (a comma-separated list) names `what`, or `all`, it fails
-/// instead.
-pub fn skip(what: &str, why: &str) {
-    let required = std::env::var("LINEWRIGHT_REQUIRE").unwrap_or_default();
-    let mut required = required.split(',').map(str::trim);
-    assert!(
-        !required.any(|r| r == what || r == "all"),
-        "{what} is required, but {why}"
-    );
-    // Not `eprintln!`: the test runner would capture that.
-    let thread = std::thread::current();
-    let test = thread.name().unwrap_or("a test");
-    let _ = writeln!(std::io::stderr(), "\nskipped: {test}: {what}: {why}");
 }
 
 /// Runs the program in a folder, without colors.
@@ -120,31 +105,6 @@ pub fn files_named(name: &str) -> Vec<PathBuf> {
     visit(root(), name, &mut found);
     found.sort();
     found
-}
-
-/// The Python that has a module: `LINEWRIGHT_PYTHON`, or else `python3` on the PATH. Without one
-/// the test is skipped because `what` is missing.
-pub fn python_with(what: &str, module: &str) -> Option<PathBuf> {
-    let python = std::env::var_os("LINEWRIGHT_PYTHON").unwrap_or_else(|| "python3".into());
-    let python = PathBuf::from(python);
-    let imported = Command::new(&python)
-        .args(["-c", &format!("import {module}")])
-        .output();
-    match imported {
-        Ok(output) if output.status.success() => Some(python),
-        Ok(_) => {
-            let why = format!("{} has no module {module}", python.display());
-            skip(what, &why);
-            None
-        }
-        Err(error) => {
-            skip(
-                what,
-                &format!("{} does not start: {error}", python.display()),
-            );
-            None
-        }
-    }
 }
 
 /// The public benchmark specifications, if they are in a folder beside the repository.
