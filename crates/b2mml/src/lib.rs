@@ -1,7 +1,7 @@
 //! B2MML 7.0.1: layouts, recipes, schedules and performances as documents, written and read.
 //!
-//! B2MML is the XML form of ISA-95 (IEC 62264). The Business To Manufacturing Markup Language (B2MML)
-//! is used courtesy of MESA International.
+//! B2MML is the XML form of ISA-95 (IEC 62264). The Business To Manufacturing Markup Language
+//! (B2MML) is used courtesy of MESA International.
 //!
 //! | document | holds | written by | read as |
 //! |---|---|---|---|

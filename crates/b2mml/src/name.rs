@@ -1,10 +1,10 @@
 //! Names as identifiers of B2MML.
 //!
-//! An identifier is a `normalizedString`: it has no tabs and no line ends, and some readers collapse
-//! its spaces. Names of layouts and recipes may contain anything. So whatever would be lost or could
-//! not be seen is written as `_xHHHH_` with the hexadecimal number of the character, which is the
-//! convention of ISO/IEC 9075-14 (SQL/XML) for names. The result tells every two names apart, and
-//! can be decoded without any table.
+//! An identifier is a `normalizedString`: it has no tabs and no line ends, and some readers
+//! collapse its spaces. Names of layouts and recipes may contain anything. So whatever would be
+//! lost or could not be seen is written as `_xHHHH_` with the hexadecimal number of the character,
+//! which is the convention of ISO/IEC 9075-14 (SQL/XML) for names. The result tells every two names
+//! apart, and can be decoded without any table.
 
 use std::fmt::Write as _;
 

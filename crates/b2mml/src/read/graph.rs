@@ -2,8 +2,8 @@
 //!
 //! Operations that one connection enters together are a *group*; it becomes a step. A transition
 //! follows connections from a state through groups, each of which is entered and left by one
-//! connection, to the next state. Where a group is entered or left otherwise, or left under a guard,
-//! a state is put before or behind it. So every graph of states and operations can be read.
+//! connection, to the next state. Where a group is entered or left otherwise, or left under a
+//! guard, a state is put before or behind it. So every graph of states and operations can be read.
 
 use super::problems::Places;
 use super::source::Source;
@@ -259,7 +259,8 @@ impl Walk<'_> {
     }
 
     /// Notes that operations are entered together. Returns false if some of them were entered
-    /// together with others, or one is listed twice. `times` is the number of transitions that enter.
+    /// together with others, or one is listed twice. `times` is the number of transitions that
+    /// enter.
     fn enter(&mut self, nodes: &[usize], times: usize) -> bool {
         let group = self.group_of[nodes[0]];
         match group {
@@ -315,8 +316,8 @@ impl Walk<'_> {
         names.collect()
     }
 
-    /// Returns the transition that begins in a state and leads to a vertex. `is_before` says whether
-    /// it begins in the state before that.
+    /// Returns the transition that begins in a state and leads to a vertex. `is_before` says
+    /// whether it begins in the state before that.
     ///
     /// A group without a state before it is entered once, so each is part of one transition.
     fn transition(

@@ -1,8 +1,9 @@
 //! The order of segments, from their dependencies.
 //!
-//! Without dependencies, segments follow each other as they stand. `AfterEnd` moves a segment behind
-//! another, `AtStart` joins it with another to one step. `PossibleParallel` and `NotInParallel` are
-//! kept by any sequence. Every other dependency is a finding, since steps have no overlaps.
+//! Without dependencies, segments follow each other as they stand. `AfterEnd` moves a segment
+//! behind another, `AtStart` joins it with another to one step. `PossibleParallel` and
+//! `NotInParallel` are kept by any sequence. Every other dependency is a finding, since steps have
+//! no overlaps.
 
 use super::source::Source;
 use crate::finding::{Rule, quoted};

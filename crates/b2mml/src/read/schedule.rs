@@ -16,6 +16,9 @@ const ELEMENTS: Elements = Elements {
     material: "MaterialRequirement",
 };
 
+/// A segment within another.
+const CHILD: &str = "SegmentRequirementChild";
+
 /// Reads the schedule of a document.
 pub(super) fn schedule(source: &mut Source<'_, '_>) -> Schedule {
     let mut reader = ScheduleReader::default();
@@ -48,17 +51,17 @@ impl ScheduleReader {
     /// Reads a segment, unless it has children, which are read in its place. The depth is that of
     /// the document.
     fn segment(&mut self, source: &mut Source<'_, '_>, segment: Element) {
-        let children = source.children(segment, "SegmentRequirementChild");
         let id = source.id(segment);
         // The halves of a transfer are no requests of their own.
         let kind = source
             .code(segment, "OperationsType")
             .and_then(|(_, other)| other);
-        if !children.is_empty() && kind.as_deref() != Some(words::ROUTING) {
+        let has_children = source.has(segment, CHILD);
+        if has_children && kind.as_deref() != Some(words::ROUTING) {
             source.child(segment, "ProcessSegmentID");
             source.child(segment, "OperationsDefinitionID");
             source.child(segment, "OperationsSegmentID");
-            for child in children {
+            for child in source.children(segment, CHILD) {
                 self.segment(source, child);
             }
             return;

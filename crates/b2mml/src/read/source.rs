@@ -17,7 +17,7 @@ const ADMINISTRATIVE: [&str; 7] = [
     "DataType",
 ];
 
-/// Maximum number of pieces of a material. Parts of a recipe are told apart, so more are surely
+/// Maximum number of pieces of a material. Parts of a recipe are individuals, so more are surely
 /// something else.
 const MAX_PIECES: usize = 10_000;
 /// Maximum number of pieces of all materials whose quantity is given.

@@ -192,8 +192,8 @@ fn read_connection(
     });
 }
 
-/// Returns the guard that a connection of another program has: the name behind `guard:` of its type,
-/// or else its other value.
+/// Returns the guard that a connection of another program has: the name behind `guard:` of its
+/// type, or else its other value.
 fn written_guard(kind: &str, other: &str) -> Guard {
     let name = kind.strip_prefix("guard:").unwrap_or(other).trim();
     if name.eq_ignore_ascii_case("otherwise") || name.eq_ignore_ascii_case("else") {

@@ -62,7 +62,7 @@ pub(super) enum Builtin {
     Boolean,
     Decimal,
     DateTime,
-    Duration,
+    TimeSpan,
     Language,
     AnyUri,
 }
@@ -209,7 +209,7 @@ impl Builtin {
             "boolean" => Self::Boolean,
             "decimal" => Self::Decimal,
             "dateTime" => Self::DateTime,
-            "duration" => Self::Duration,
+            "duration" => Self::TimeSpan,
             "language" => Self::Language,
             "anyURI" => Self::AnyUri,
             _ => return None,
@@ -247,8 +247,8 @@ mod tests {
             panic!("it has children");
         };
         let kind = particles.iter().flat_map(|p| &p.elements);
-        let kind = kind.filter(|e| e.name == "OperationsType").map(|e| e.of);
-        let Type::Text(kind) = schema.of(kind.last().expect("it has a type")) else {
+        let mut kind = kind.filter(|e| e.name == "OperationsType").map(|e| e.of);
+        let Type::Text(kind) = schema.of(kind.next().expect("it has a type")) else {
             panic!("it is a text");
         };
         assert_eq!(kind.base, Builtin::NormalizedString);

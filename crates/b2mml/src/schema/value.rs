@@ -36,7 +36,7 @@ impl Builtin {
             Self::Boolean => matches!(collapsed(text), "true" | "false" | "1" | "0"),
             Self::Decimal => is_decimal(collapsed(text)),
             Self::DateTime => is_date_time(collapsed(text)).is_some(),
-            Self::Duration => duration_seconds(text).is_some(),
+            Self::TimeSpan => duration_seconds(text).is_some(),
             Self::Language => is_language(collapsed(text)),
             Self::AnyUri => is_uri(collapsed(text)),
         }
@@ -49,7 +49,7 @@ impl Builtin {
             Self::Boolean => "`true` or `false`",
             Self::Decimal => "a decimal number of at most 18 digits",
             Self::DateTime => "a date and time such as `2026-11-30T12:00:00Z`",
-            Self::Duration => "a duration such as `PT12S`",
+            Self::TimeSpan => "a duration such as `PT12S`",
             Self::Language => "a language such as `en`",
             Self::AnyUri => "a URI",
         }
@@ -227,7 +227,7 @@ pub(crate) fn has_calendar_units(text: &str) -> bool {
     date.contains(['Y', 'M'])
 }
 
-/// Returns a duration of so many s, if they have at most 9 digits before the point and are not
+/// Returns a number of s as a duration, if it has at most 9 digits before the point and is not
 /// negative. The number is exact.
 pub(crate) fn seconds_as_duration(seconds: f64) -> Option<String> {
     (0.0..1e9)
@@ -284,7 +284,7 @@ mod tests {
             ],
         );
         check(
-            Builtin::Duration,
+            Builtin::TimeSpan,
             &["PT8S", "P1Y2M3DT4H5M6.7S", "-P1D", "PT0.5S", " P0D "],
             &[
                 "", "P", "PT", "P1DT", "8S", "PT8", "P1M1Y", "PT1.5M", "PT.5S", "PT1.S", "P-1D",

@@ -1,8 +1,9 @@
 //! A recipe as `OperationsDefinition`.
 //!
-//! The first segment declares parts and states. Each transition of the recipe is a segment, and each
-//! of its operations a child of that. A dependency says what B2MML can say of their order: a step
-//! follows the one before it (`AfterEnd`), and operations of a step begin together (`AtStart`).
+//! The first segment declares parts and states. Each transition of the recipe is a segment, and
+//! each of its operations a child of that. A dependency says what B2MML can say of their order: a
+//! step follows the one before it (`AfterEnd`), and operations of a step begin together
+//! (`AtStart`).
 
 use super::{WriteError, name, names, one_piece, property, shown, without_problems};
 use crate::name::encode;

@@ -22,7 +22,7 @@ use std::fmt;
 /// Reason why something cannot be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum WriteError {
-    /// The layout or the recipe has problems other than warnings.
+    /// The layout or the recipe has these problems other than warnings.
     #[error("{}", Lines(.0))]
     Problems(Vec<Problem>),
     /// A schedule or performance has nothing in it, which B2MML does not allow.
@@ -51,7 +51,8 @@ impl fmt::Display for Lines<'_> {
 
 /// Fails if there are problems other than warnings.
 fn without_problems(problems: Vec<Problem>) -> Result<(), WriteError> {
-    if problems.iter().all(Problem::is_warning) {
+    let problems: Vec<Problem> = (problems.into_iter()).filter(|p| !p.is_warning()).collect();
+    if problems.is_empty() {
         Ok(())
     } else {
         Err(WriteError::Problems(problems))

@@ -1,5 +1,5 @@
-//! A schedule as `OperationsSchedule`: an `OperationsRequest` with one `SegmentRequirement` for each
-//! operation and each transfer.
+//! A schedule as `OperationsSchedule`: an `OperationsRequest` with one `SegmentRequirement` for
+//! each operation and each transfer.
 
 use super::activity::{Parts, by_name, segments, shown, write_equipment, write_materials};
 use super::{Value, WriteError, name, property};

@@ -1,8 +1,8 @@
 //! A recipe as `WorkflowSpecification`.
 //!
-//! States and operations are nodes. The connections from a state lead to the operations of the first
-//! step of a transition, then from step to step, and to the next state. A guard is a dependency
-//! `Other`. Operations of a step are joined by a dependency `AtStart`.
+//! States and operations are nodes. The connections from a state lead to the operations of the
+//! first step of a transition, then from step to step, and to the next state. A guard is a
+//! dependency `Other`. Operations of a step are joined by a dependency `AtStart`.
 
 use super::definition::{guard, write_dependency};
 use super::{Value, WriteError, name, names, property, shown, without_problems};

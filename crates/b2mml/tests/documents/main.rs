@@ -2,6 +2,7 @@
 //! write; what is wrong; mutated documents.
 
 mod foreign;
+mod invalid;
 mod mutated;
 mod names;
 mod page;

@@ -83,7 +83,7 @@ pub fn mutant(originals: &[String], random: &mut Random) -> Vec<u8> {
         return bytes;
     }
     let mut lines: Vec<String> = original.lines().map(str::to_owned).collect();
-    for _ in 0..=random.below(3) {
+    for _ in 0..=random.below(2) {
         change_elements(&mut lines, random);
     }
     lines.join("\n").into_bytes()
@@ -152,7 +152,7 @@ fn change_elements(lines: &mut Vec<String>, random: &mut Random) {
     let leaves: Vec<usize> = (begins.iter().copied())
         .filter(|n| lines[*n].contains("</") && lines[*n].contains('>'))
         .collect();
-    match random.below(7) {
+    match random.below(9) {
         0 => drop(lines.drain(begin..=end)),
         1 => {
             let copy = lines[begin..=end].to_vec();

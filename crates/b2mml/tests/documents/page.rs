@@ -144,8 +144,7 @@ fn every_example_is_read() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/b2mml.md");
     let page = std::fs::read_to_string(path).expect("the page is there");
     let mut examples = 0;
-    let mut pieces = page.split("```xml\n").skip(1);
-    while let Some(piece) = pieces.next() {
+    for piece in page.split("```xml\n").skip(1) {
         let (document, rest) = piece.split_once("```\n").expect("the example ends");
         let expected = rest
             .strip_prefix("\n```text\n")

@@ -71,13 +71,13 @@ fn the_demonstrator_comes_back() {
 #[test]
 fn random_cells_come_back() {
     let mut counts = Counts::default();
-    for seed in 0..1_500 {
+    for seed in 0..1_000 {
         let (layout, recipe) = cell(seed);
         counts.check(&layout, &recipe);
     }
-    assert!(counts.layouts > 1_000, "{counts:?}");
-    assert!(counts.recipes > 1_000, "{counts:?}");
-    assert!(counts.schedules > 300, "{counts:?}");
+    assert!(counts.layouts > 800, "{counts:?}");
+    assert!(counts.recipes > 700, "{counts:?}");
+    assert!(counts.schedules > 200, "{counts:?}");
 }
 
 #[test]

@@ -93,7 +93,8 @@ pub fn read_again(text: &str) -> Document {
     reading.document
 }
 
-/// Returns the documents of a cell: layout, recipe twice, schedule and performance if there are any.
+/// Returns the documents of a cell: layout, recipe twice, schedule and performance if there are
+/// any.
 pub fn documents(layout: &Layout, recipe: &Recipe) -> Vec<String> {
     let mut documents = Vec::new();
     documents.extend(write::equipment(layout).ok());
