@@ -238,7 +238,7 @@ impl Graph {
 fn same_nodes(one: &[usize], other: &[usize]) -> bool {
     let known: FxHashSet<usize> = one.iter().copied().collect();
     let distinct: FxHashSet<usize> = other.iter().copied().collect();
-    one.len() == other.len() && known == distinct
+    one.len() == known.len() && other.len() == distinct.len() && known == distinct
 }
 
 struct Walk<'a> {

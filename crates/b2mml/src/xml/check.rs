@@ -24,17 +24,22 @@ pub(super) struct RawAttribute<'t> {
 
 /// Finds the first character that XML does not allow.
 pub(super) fn characters(text: &str) -> Result<(), Broken> {
-    for (at, character) in text.char_indices() {
+    let mut at = 0;
+    while at < text.len() {
+        // All printable characters of ASCII are allowed, and most texts have few others.
+        let plain = text.as_bytes()[at..].iter();
+        at += plain.take_while(|b| matches!(b, b' '..=b'~')).count();
+        let Some(character) = text[at..].chars().next() else {
+            break;
+        };
         if !is_allowed(character) {
-            let message = format!("the character {} is not allowed in XML", shown(character));
+            let number = u32::from(character);
+            let message = format!("the character U+{number:04X} is not allowed in XML");
             return Err((at, message));
         }
+        at += character.len_utf8();
     }
     Ok(())
-}
-
-fn shown(character: char) -> String {
-    format!("U+{:04X}", u32::from(character))
 }
 
 /// Production `Char`.

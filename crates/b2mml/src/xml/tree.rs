@@ -179,6 +179,9 @@ impl<'t> Builder<'t, '_> {
                 Event::End(_) => {
                     self.open.pop();
                 }
+                Event::Text(_) if is_blank(raw) && !raw.contains('\r') => {
+                    self.add_text(at, Cow::Borrowed(raw), false)?;
+                }
                 Event::Text(_) => {
                     if let Some(brackets) = raw.find("]]>") {
                         let message = "`]]>` is not allowed in a text".to_owned();

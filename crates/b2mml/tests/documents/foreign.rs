@@ -282,6 +282,8 @@ fn schedules_are_read() {
               </EquipmentRequirement>
               <EquipmentRequirement><ID>R1</ID><EquipmentID>Resource1</EquipmentID>
                <EquipmentUse>out</EquipmentUse></EquipmentRequirement>
+              <SegmentRequirementChild><ID>2a</ID><ProcessSegmentID>Give</ProcessSegmentID>{ids}
+              </SegmentRequirementChild>
              </SegmentRequirement>
             </OperationsRequest>"
         ),
@@ -317,7 +319,11 @@ fn schedules_are_read() {
         .collect();
     assert_eq!(
         notes,
-        ["`Priority` is left out", "`SegmentParameter` is left out"]
+        [
+            "`Priority` is left out",
+            "`SegmentParameter` is left out",
+            "`SegmentRequirementChild` is left out"
+        ]
     );
     let recipes = schedule.recipes().expect("there are no choices");
     assert_eq!(

@@ -213,6 +213,14 @@ fn workflows_that_make_no_sense() {
             connection("a", "b</ToWSNodeID><ToWSNodeID>a", after),
             vec!["4:1: meaning: only operations can begin together"],
         ),
+        (
+            connection("a", "c</ToWSNodeID><ToWSNodeID>c", after).replace(
+                "\n<Work",
+                "\n<WorkflowSpecificationNode><ID>c</ID>\
+                    <WorkMasterID>c</WorkMasterID></WorkflowSpecificationNode><Work",
+            ),
+            vec!["4:96: meaning: operations begin together with different ones"],
+        ),
     ] {
         check(
             "WorkflowSpecification",
