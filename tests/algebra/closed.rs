@@ -447,7 +447,7 @@ const HELP: [&[&str]; 3] = [
     ],
 ];
 
-/// Guarantees of [`HELP`] with which most machines can be proved, unless there are more assumptions.
+/// Guarantees of [`HELP`] with which a machine can be proved, unless it assumes too much.
 const NEEDED: [&str; 4] = ["ends", "finishes", "answers", "follows"];
 
 /// A machine with some of [`HELP`]; if it `is_easy`, with all that are [`NEEDED`] and few

@@ -248,8 +248,8 @@ fn ten_thousand_segments_come_back() {
     assert_eq!(read_again(&text), Document::Schedule(schedule));
 }
 
-/// Returns the time that this thread has computed for, which Linux tells; elsewhere the time since a
-/// fixed moment.
+/// Returns the time that this thread has computed for, which Linux tells; elsewhere the time since
+/// a fixed moment.
 fn processor_time() -> std::time::Duration {
     static BEGIN: std::sync::LazyLock<std::time::Instant> =
         std::sync::LazyLock::new(std::time::Instant::now);
