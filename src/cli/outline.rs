@@ -122,7 +122,7 @@ fn begins_skills(text: &str, end: usize, depth: usize) -> bool {
 /// Whether `layout` or `recipe` begins a declaration.
 fn begins_layout_or_recipe(text: &str, start: usize, word: &str, depth: usize) -> bool {
     (depth == 0 || begins_line(text, start))
-        && declares_layout_or_recipe(&text[start + word.len()..])
+        && declares_layout_or_recipe(&text[..start], &text[start + word.len()..])
 }
 
 /// Whether nothing but `moore` precedes this position in its line.

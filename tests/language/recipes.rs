@@ -411,6 +411,17 @@ realize {word} on {word}
         let printed = linewright::syntax::format::format_checked(&file, &text);
         assert_eq!(printed.as_deref(), Ok(text.as_str()), "{word}");
     }
+    // A record after the name does not make it a declaration.
+    for (word, lasts) in [("layout", "in {a = b}"), ("recipe", "power {a = b}")] {
+        let text = format!(
+            "layout A {{\n    resource r at s {{\n        s -> s: a,\n            {word} {lasts}\n    }}\n}}\n"
+        );
+        assert_eq!(
+            parse(linewright::source::FileId::default(), &text).1,
+            [],
+            "{text}"
+        );
+    }
     // Elsewhere they are names of anything.
     let text = "const layout = 3\nconst recipe = layout\ndefine realize(x) = recipe\n\nlayout A { resource r at s { s -> s: a nop s } }\n";
     assert_eq!(parse(linewright::source::FileId::default(), text).1, []);

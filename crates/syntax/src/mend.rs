@@ -10,7 +10,7 @@
 //! two reasons. Strings, comments and words are split exactly as in the grammar. A prefix word
 //! counts until a point at which no rule of the grammar could continue its operand.
 
-use super::words::ends_expressions;
+use super::words::{ends_expressions, is_reserved_among_skills};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use std::ops::Range;
@@ -145,7 +145,7 @@ fn skills_head(rest: &str) -> Option<usize> {
     let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
     let word = &name[..end];
     let brace = name[end..].trim_start();
-    let own = !word.is_empty() && !ends_expressions(word);
+    let own = !word.is_empty() && !is_reserved_among_skills(word);
     (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
 }
 
@@ -168,13 +168,16 @@ pub fn declares_skill_set(rest: &str) -> bool {
     after.is_some_and(|after| !after.trim_start().starts_with('='))
 }
 
-/// Returns whether the text after the word `layout` or `recipe` declares one: a name, and a brace
-/// that is not the number of repetitions of a skill, as in `Up{2}`.
-pub fn declares_layout_or_recipe(rest: &str) -> bool {
-    skills_head(rest).is_some_and(|brace| {
-        let within = rest[brace + 1..].trim_start();
-        !within.starts_with(|c: char| c.is_ascii_digit())
-    })
+/// Returns whether the word `layout` or `recipe` between these texts declares one: it is followed
+/// by a name and a brace that is not the number of repetitions of a skill, as in `Up{2}`. After a
+/// comma or a colon, it is the name of an operation: `glue in 4 s, layout power {a = b}.a`.
+pub fn declares_layout_or_recipe(before: &str, rest: &str) -> bool {
+    let is_operation = before.trim_end().ends_with([',', ':']);
+    !is_operation
+        && skills_head(rest).is_some_and(|brace| {
+            let within = rest[brace + 1..].trim_start();
+            !within.starts_with(|c: char| c.is_ascii_digit())
+        })
 }
 
 /// Returns whether the text after the word `skills`, outside of all braces, begins a set of skills:
@@ -251,7 +254,7 @@ impl Scanner<'_> {
             "contract" | "moore" | "line" | "import" => !is_meant_as_name(rest),
             "machine" => !declares_inner_machine(rest) && !is_meant_as_name(rest),
             "skills" => declares_skill_set(rest),
-            "layout" | "recipe" => declares_layout_or_recipe(rest),
+            "layout" | "recipe" => declares_layout_or_recipe(&self.text[..self.code_end], rest),
             _ => false,
         };
         if begins_item && self.line_start {
