@@ -341,24 +341,25 @@ impl ClosedDecider<'_> {
     // ---- goals ----------------------------------------------------------------------------------
 
     fn goals(&mut self) -> Result<(), Limit> {
-        let sound = self.is_sound_by_proof();
+        let is_safe = self.is_sound_by_proof();
         for (at, rule) in self.book.goals.clone() {
-            if sound && at.kind != FormulaKind::Justice {
-                self.record_met(at);
-                continue;
-            }
-            if at.kind == FormulaKind::Justice {
-                let known = self.closed.known.justice.contains(&at);
-                let lasso = if known { None } else { self.starved(rule)? };
-                match lasso {
-                    None => self.record_met(at),
-                    Some(lasso) => self.record_open(at, Refutation::Lasso(lasso)),
-                }
-                continue;
-            }
-            match self.violation(self.book.keep.clone(), rule)? {
-                Some(trace) => self.record_open(at, Refutation::Trace(trace)),
+            let is_justice = at.kind == FormulaKind::Justice;
+            let is_known = if is_justice {
+                self.closed.known.justice.contains(&at)
+            } else {
+                is_safe
+            };
+            let why = if is_known {
+                None
+            } else if is_justice {
+                self.starved(rule)?.map(Refutation::Lasso)
+            } else {
+                let keep = self.book.keep.clone();
+                self.violation(keep, rule)?.map(Refutation::Trace)
+            };
+            match why {
                 None => self.record_met(at),
+                Some(why) => self.record_open(at, why),
             }
         }
         Ok(())
