@@ -12,32 +12,12 @@ use crate::linear::linear_recipe;
 use crate::terms::recipe as keys;
 use crate::xml::Element;
 use linewright_recipe::model::{Guard, OperationCall, Part, Recipe, RecipeTransition, Step};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
 const PARAMETER: &str = "ParameterSpecification";
 
-/// Reads recipes from their elements.
-pub(super) fn definitions(source: &mut Source<'_, '_>, elements: &[Element]) -> Vec<Recipe> {
-    if elements.is_empty() {
-        source.add(0, Rule::Meaning, "there is no recipe");
-    }
-    if elements != [0] {
-        source.id(0);
-    }
-    let mut known = FxHashSet::default();
-    let mut recipes = Vec::new();
-    for element in elements {
-        let recipe = definition(source, *element);
-        if !known.insert(recipe.name.clone()) {
-            let message = format!("two recipes are called {}", quoted(&recipe.name));
-            source.add(*element, Rule::Reference, message);
-        }
-        recipes.push(recipe);
-    }
-    recipes
-}
-
-fn definition(source: &mut Source<'_, '_>, element: Element) -> Recipe {
+/// Reads a recipe from its element.
+pub(super) fn definition(source: &mut Source<'_, '_>, element: Element) -> Recipe {
     let name = source.id(element);
     source.code(element, "OperationsType");
     let segments = source.children(element, "OperationsSegment");

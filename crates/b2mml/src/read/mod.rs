@@ -19,8 +19,9 @@ use crate::finding::{Collector, Findings, Rule, quoted};
 use crate::performance::Performance;
 use crate::schedule::Schedule;
 use crate::schema::{NAMESPACE, validate};
-use crate::xml::{Tree, parse};
+use crate::xml::{Element, Tree, parse};
 use linewright_recipe::model::{Layout, Recipe};
+use rustc_hash::FxHashSet;
 use source::Source;
 
 /// Maximum length of a document in bytes.
@@ -87,15 +88,15 @@ pub fn read(bytes: &[u8]) -> Result<Reading, Findings> {
     let mut source = Source::new(&tree);
     let document = match tree.name(0) {
         "EquipmentInformation" => Document::Layouts(equipment::layouts(&mut source)),
-        "OperationsDefinition" => Document::Recipes(definition::definitions(&mut source, &[0])),
+        "OperationsDefinition" => definitions(&mut source, &[0]),
         "OperationsDefinitionInformation" => {
-            let definitions = source.children(0, "OperationsDefinition");
-            Document::Recipes(definition::definitions(&mut source, &definitions))
+            let elements = source.children(0, "OperationsDefinition");
+            definitions(&mut source, &elements)
         }
-        "WorkflowSpecification" => Document::Recipes(workflow::workflows(&mut source, &[0])),
+        "WorkflowSpecification" => workflows(&mut source, &[0]),
         "WorkflowSpecificationInformation" => {
-            let workflows = source.children(0, "WorkflowSpecification");
-            Document::Recipes(workflow::workflows(&mut source, &workflows))
+            let elements = source.children(0, "WorkflowSpecification");
+            workflows(&mut source, &elements)
         }
         "OperationsSchedule" => Document::Schedule(schedule::schedule(&mut source)),
         _ => Document::Performance(performance::performance(&mut source)),
@@ -107,6 +108,40 @@ pub fn read(bytes: &[u8]) -> Result<Reading, Findings> {
     } else {
         Err(findings.into_findings(text))
     }
+}
+
+fn definitions(source: &mut Source<'_, '_>, elements: &[Element]) -> Document {
+    recipes(source, elements, "recipe", definition::definition)
+}
+
+fn workflows(source: &mut Source<'_, '_>, elements: &[Element]) -> Document {
+    recipes(source, elements, "workflow", workflow::workflow)
+}
+
+/// Reads a recipe from each element. `noun` names one of the elements in findings.
+fn recipes(
+    source: &mut Source<'_, '_>,
+    elements: &[Element],
+    noun: &str,
+    read: impl Fn(&mut Source<'_, '_>, Element) -> Recipe,
+) -> Document {
+    if elements.is_empty() {
+        source.add(0, Rule::Meaning, format!("there is no {noun}"));
+    }
+    if elements != [0] {
+        source.id(0);
+    }
+    let mut known = FxHashSet::default();
+    let mut recipes = Vec::new();
+    for element in elements {
+        let recipe = read(source, *element);
+        if !known.insert(recipe.name.clone()) {
+            let message = format!("two {noun}s are called {}", quoted(&recipe.name));
+            source.add(*element, Rule::Reference, message);
+        }
+        recipes.push(recipe);
+    }
+    Document::Recipes(recipes)
 }
 
 /// Returns findings with only one.

@@ -12,30 +12,10 @@ use crate::name::decode;
 use crate::terms::{STATE_PREFIX, node, recipe as keys};
 use crate::xml::Element;
 use linewright_recipe::model::{Guard, OperationCall, Part, Recipe};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 
-/// Reads recipes from their elements.
-pub(super) fn workflows(source: &mut Source<'_, '_>, elements: &[Element]) -> Vec<Recipe> {
-    if elements.is_empty() {
-        source.add(0, Rule::Meaning, "there is no workflow");
-    }
-    if elements != [0] {
-        source.id(0);
-    }
-    let mut known = FxHashSet::default();
-    let mut recipes = Vec::new();
-    for element in elements {
-        let recipe = workflow(source, *element);
-        if !known.insert(recipe.name.clone()) {
-            let message = format!("two workflows are called {}", quoted(&recipe.name));
-            source.add(*element, Rule::Reference, message);
-        }
-        recipes.push(recipe);
-    }
-    recipes
-}
-
-fn workflow(source: &mut Source<'_, '_>, element: Element) -> Recipe {
+/// Reads a recipe from its element.
+pub(super) fn workflow(source: &mut Source<'_, '_>, element: Element) -> Recipe {
     let name = source.id(element);
     let mut numbers: FxHashMap<String, usize> = FxHashMap::default();
     let mut graph = Graph::default();
