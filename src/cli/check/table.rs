@@ -154,38 +154,28 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
             ],
         });
     }
-    for s in &document.skills {
+    let short = |mark: Mark, name: String, size: String, verdict: String, path: &str| {
         let mut cells = vec![String::new(); COLUMNS];
-        cells[0] = format!("skills {}", s.name);
-        cells[2] = format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule"));
-        cells[3] = in_words(s.verdict);
-        cells[6] = file(&s.file);
-        rows.push(Row {
-            mark: s.verdict.into(),
-            cells,
-        });
+        (cells[0], cells[2], cells[3], cells[6]) = (name, size, verdict, file(path));
+        Row { mark, cells }
+    };
+    for s in &document.skills {
+        let name = format!("skills {}", s.name);
+        let size = format!("{}, {}", count(s.skills, "skill"), count(s.rules, "rule"));
+        let verdict = in_words(s.verdict);
+        rows.push(short(s.verdict.into(), name, size, verdict, &s.file));
     }
     for l in &document.layouts {
-        let mut cells = vec![String::new(); COLUMNS];
-        cells[0] = format!("layout {}", l.name);
-        cells[2] = count(l.resources, "resource");
-        cells[3] = in_words(l.verdict);
-        cells[6] = file(&l.file);
-        rows.push(Row {
-            mark: l.verdict.into(),
-            cells,
-        });
+        let name = format!("layout {}", l.name);
+        let size = count(l.resources, "resource");
+        let verdict = in_words(l.verdict);
+        rows.push(short(l.verdict.into(), name, size, verdict, &l.file));
     }
     for r in &document.recipes {
-        let mut cells = vec![String::new(); COLUMNS];
-        cells[0] = format!("recipe {}", r.name);
-        cells[2] = count(r.transitions, "transition");
-        cells[3] = in_words(r.verdict);
-        cells[6] = file(&r.file);
-        rows.push(Row {
-            mark: r.verdict.into(),
-            cells,
-        });
+        let name = format!("recipe {}", r.name);
+        let size = count(r.transitions, "transition");
+        let verdict = in_words(r.verdict);
+        rows.push(short(r.verdict.into(), name, size, verdict, &r.file));
     }
     for m in &document.machines {
         let empty = String::new;
