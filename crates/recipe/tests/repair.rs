@@ -31,6 +31,14 @@ fn single(layout: &Layout, recipe: &Recipe, candidates: &[Change]) -> Vec<String
                 to,
             },
         ] => format!("{resource} {from}-{to} out:{label}"),
+        [
+            Change::Connection {
+                resource,
+                take,
+                give,
+                ..
+            },
+        ] => format!("{resource} in:{take} out:{give}"),
         [Change::Capacity { resource }] => format!("{resource} holds more"),
         [Change::Duplicate { resource }] => format!("second {resource}"),
         _ => format!("{set:?}"),
@@ -123,6 +131,22 @@ fn a_missing_route_is_the_only_route_that_helps() {
         removed += 1;
     }
     assert_eq!(removed, 5);
+}
+
+/// A route that is the only one from its resource: the transport does not take parts there.
+#[test]
+fn a_missing_connection_is_the_only_one_that_helps() {
+    for (label, back) in [("1", "2"), ("3", "2"), ("4", "1")] {
+        let mut layout = pad::five();
+        let state = format!("s{label}");
+        (layout.resources[4].transitions).retain(|t| t.from != state && t.to != state);
+        layout.resources[4].states.retain(|s| s.name != state);
+        let connections = repair::connections(&layout);
+        assert_eq!(connections.len(), 4, "{connections:?}");
+        let found = single(&layout, &pad::hinge(false), &connections);
+        assert_eq!(found, [format!("r5 in:{label} out:{back}")]);
+        assert!(single(&layout, &pad::hinge(false), &repair::routes(&layout)).is_empty());
+    }
 }
 
 #[test]

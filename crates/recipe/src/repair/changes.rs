@@ -1,6 +1,6 @@
 //! Changes of a layout that a repair can make.
 
-use crate::model::{Action, Layout, Recipe, Resource, Transition};
+use crate::model::{Action, Layout, Recipe, Resource, State, Transition};
 use rustc_hash::FxHashSet;
 
 /// A change of a layout. Resources and states are given by name.
@@ -16,6 +16,18 @@ pub enum Change {
         label: String,
         /// Name of the state that it enters.
         to: String,
+    },
+    /// A transport takes a part under a label that it has not taken yet, and gives it under
+    /// another: a route that begins where none of its routes begins.
+    Connection {
+        /// Name of the transport.
+        resource: String,
+        /// Name of the state in which it takes the part, and to which it returns.
+        empty: String,
+        /// Label under which it takes the part.
+        take: String,
+        /// Label under which it gives the part.
+        give: String,
     },
     /// A resource holds one part more.
     Capacity {
@@ -59,6 +71,17 @@ pub fn apply<'a>(layout: &Layout, changes: impl Iterator<Item = &'a Change>) -> 
                 operation,
                 to,
             } => (resource, (from, Action::Operation(operation.clone()), to)),
+            Change::Connection {
+                resource,
+                empty,
+                take,
+                give,
+            } => {
+                if let Some(at) = changed.resource(resource) {
+                    connect(&mut changed.resources[at], empty, take, give);
+                }
+                continue;
+            }
             Change::Capacity { resource } => {
                 if let Some(at) = changed.resource(resource) {
                     changed.resources[at].capacity += 1;
@@ -90,6 +113,29 @@ pub fn apply<'a>(layout: &Layout, changes: impl Iterator<Item = &'a Change>) -> 
         let _ = changed.duplicate(name, &copy);
     }
     changed
+}
+
+/// Adds a state in which a transport carries a part from `take` to `give`.
+fn connect(transport: &mut Resource, empty: &str, take: &str, give: &str) {
+    let mut carrying = format!("{take}->{give}");
+    while transport.state(&carrying).is_some() {
+        carrying.push('\'');
+    }
+    transport.states.push(State {
+        name: carrying.clone(),
+        may_wait: true,
+    });
+    let mut add = |from: &str, action: Action, to: &str| {
+        transport.transitions.push(Transition {
+            from: from.to_owned(),
+            to: to.to_owned(),
+            action,
+            seconds: None,
+            watts: None,
+        });
+    };
+    add(empty, Action::In(take.to_owned()), &carrying);
+    add(&carrying, Action::Out(give.to_owned()), empty);
 }
 
 /// Returns all operations of the recipe that a resource could perform in addition: every state that
@@ -179,6 +225,56 @@ pub fn routes(layout: &Layout) -> Vec<Change> {
                         from: pair.0,
                         label: label.to_owned(),
                         to: pair.1,
+                    });
+                }
+            }
+        }
+    }
+    changes
+}
+
+/// Returns all routes that could be added to a transport and begin where none of its routes begins.
+/// A transport is a resource that takes parts, or has no transitions, and performs no operation.
+pub fn connections(layout: &Layout) -> Vec<Change> {
+    let mut changes = Vec::new();
+    for (at, resource) in layout.resources.iter().enumerate() {
+        let actions = || resource.transitions.iter().map(|t| &t.action);
+        let takes = || actions().any(|a| matches!(a, Action::In(_)));
+        if actions().any(|a| matches!(a, Action::Operation(_)))
+            || !(resource.transitions.is_empty() || takes())
+        {
+            continue;
+        }
+        let mut empty: Vec<&str> = Vec::new();
+        for transition in &resource.transitions {
+            if matches!(transition.action, Action::In(_)) && !empty.contains(&&*transition.from) {
+                empty.push(&transition.from);
+            }
+        }
+        if empty.is_empty() {
+            empty.push(&resource.initial);
+        }
+        let (mut given, mut taken): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+        let others = layout.resources.iter().enumerate();
+        for transition in others
+            .filter(|(o, _)| *o != at)
+            .flat_map(|(_, r)| &r.transitions)
+        {
+            match &transition.action {
+                Action::Out(label) if !given.contains(&label.as_str()) => given.push(label),
+                Action::In(label) if !taken.contains(&label.as_str()) => taken.push(label),
+                _ => {}
+            }
+        }
+        given.retain(|label| !actions().any(|a| *a == Action::In((*label).to_owned())));
+        for empty in &empty {
+            for take in &given {
+                for give in &taken {
+                    changes.push(Change::Connection {
+                        resource: resource.name.clone(),
+                        empty: (*empty).to_owned(),
+                        take: (*take).to_owned(),
+                        give: (*give).to_owned(),
                     });
                 }
             }

@@ -3,13 +3,14 @@
 //! Sets of changes are tried in order of size. A set that does not suffice is extended by each
 //! change that is *usable* with it: the search reaches a configuration where the new transition
 //! could be taken. No repair is missed: when a controller uses one of the changes that the set
-//! lacks for the first time, it has come there without them. Whether a larger capacity or a
-//! duplicate is usable is not examined; they always count as usable. So does every change once a
-//! set has a duplicate, since the duplicate and its routes get the other changes, too.
+//! lacks for the first time, it has come there without them. Whether a larger capacity, a
+//! connection or a duplicate is usable is not examined; they always count as usable. So does every
+//! change once a set has a duplicate, since the duplicate and its routes get the other changes,
+//! too.
 
 mod changes;
 
-pub use changes::{Change, apply, capacities, duplicates, operations, routes};
+pub use changes::{Change, apply, capacities, connections, duplicates, operations, routes};
 
 use crate::model::{Layout, Problem, Recipe};
 use crate::realize::{Reached, SearchLimits, decide, problems, reached};
@@ -114,6 +115,6 @@ fn usable(change: &Change, layout: &Layout, reached: &Reached<'_>) -> bool {
             ..
         } => place(resource, from)
             .is_some_and(|(r, s)| reached.asked.contains(&(r, s, operation.as_str()))),
-        Change::Capacity { .. } | Change::Duplicate { .. } => true,
+        Change::Capacity { .. } | Change::Connection { .. } | Change::Duplicate { .. } => true,
     }
 }
