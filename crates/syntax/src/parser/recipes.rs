@@ -1,7 +1,7 @@
 //! Messages about layouts and recipes that cannot be parsed.
 
 use super::{Grammar, Rule, after_comments, finding_of, word_at};
-use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::diagnostics::{Diagnostic, codes, nearest};
 use linewright_core::source::{FileId, Span};
 use pest::Parser as _;
 
@@ -14,15 +14,24 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     if context == Rule::bad_layout_item && word == "at" {
         return without_state(file, start + text.len() - rest.len(), rest);
     }
-    let (rule, begins_item) = match context {
-        Rule::bad_resource_item => (Rule::only_resource_item, word == "nop"),
-        Rule::bad_transport_item => (Rule::only_transport_item, rest.starts_with([':', ','])),
-        Rule::bad_recipe_item => (
-            Rule::only_recipe_item,
-            ["part", "start", "end", "leftover"].contains(&word.as_str()),
-        ),
+    let is_transition = rest.starts_with("->");
+    let (rule, begins_item) = match (context, word.as_str()) {
+        (Rule::bad_resource_item, "nop") if !is_transition => (Rule::only_nop, true),
+        (Rule::bad_resource_item, _) => (Rule::only_resource_item, false),
+        (Rule::bad_transport_item, _) => (Rule::only_transport_item, rest.starts_with([':', ','])),
+        (Rule::bad_recipe_item, "part") if !is_transition => (Rule::only_recipe_parts, true),
+        (Rule::bad_recipe_item, "start") if !is_transition => (Rule::only_recipe_start, true),
+        (Rule::bad_recipe_item, "end") if !is_transition => (Rule::only_recipe_ends, true),
+        (Rule::bad_recipe_item, "leftover") if !is_transition => (Rule::only_leftover, true),
+        (Rule::bad_recipe_item, _) => (Rule::only_recipe_item, false),
         _ => return None,
     };
+    if context == Rule::bad_recipe_item
+        && is_transition
+        && let Some(finding) = after_states(file, start + text.len() - rest.len(), rest)
+    {
+        return Some(finding);
+    }
     if context == Rule::bad_recipe_item && rest.starts_with('(') {
         let at = start + text.len() - code.len();
         let span = Span::new(file, at, at + word.len());
@@ -35,11 +44,44 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
             .with_help("write the operations of a transition after its states: `a -> b: load()(f); glue(f)(f)`"),
         );
     }
-    if !begins_item && !rest.starts_with("->") {
+    if !begins_item && !is_transition {
         return None;
     }
     let error = Grammar::parse(rule, text).err()?;
     Some(finding_of(file, start, text, &error))
+}
+
+/// Returns the finding for a word that stands where the guard or the `:` of a transition would, from
+/// the arrow between its states.
+fn after_states(file: FileId, start: usize, text: &str) -> Option<Diagnostic> {
+    let target = after_comments(text.strip_prefix("->")?);
+    let state = word_at(target);
+    let after = &target[state.len()..];
+    let is_name = |word: &str| word.starts_with(|c: char| c.is_alphabetic() || c == '_');
+    let same_line = |text: &str| {
+        let word = text.trim_start_matches([' ', '\t']);
+        let name = word_at(word);
+        is_name(&name).then(|| (text.len() - word.len(), name))
+    };
+    let (mut skipped, mut word) = same_line(after)?;
+    let mut expected = "`:`, `when` or `otherwise`";
+    let mut rest = after;
+    if word == "otherwise" {
+        rest = &after[skipped + word.len()..];
+        (skipped, word) = same_line(rest)?;
+        expected = "`:`";
+    }
+    if word == "when" {
+        return None;
+    }
+    let at = start + text.len() - rest.len() + skipped;
+    let span = Span::new(file, at, at + word.len());
+    let finding = Diagnostic::error(codes::SYNTAX, span, format!("`{word}` does not fit here"));
+    let near = nearest(&word, ["when", "otherwise"].into_iter());
+    Some(finding.with_help(match near {
+        Some(near) => format!("did you mean `{near}`? Expected {expected}"),
+        None => format!("expected {expected}"),
+    }))
 }
 
 /// Returns the finding for a statement `at start` that names no state, from the text after `at`.
