@@ -4,7 +4,8 @@
 //! findings. So this module only searches for `contract NAME`, `machine NAME`, `line NAME`,
 //! `skills NAME {`, `layout NAME {`, `recipe NAME {`, and for the closing brace of each. The first
 //! three are reserved words: at the beginning of a line they begin a declaration, even if a
-//! preceding brace is missing. The others can also be names; the next tokens decide.
+//! preceding brace is missing. The others can also be names; the next tokens decide. It also finds
+//! the statements `realize ... on NAME`.
 
 use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::{
@@ -26,6 +27,8 @@ pub enum Kind {
     Layout,
     /// `recipe`
     Recipe,
+    /// `realize`, whose name is the rest of the statement: `3 Hinge, 2 Plate on Pad`.
+    Realize,
 }
 
 /// A declaration and its extent in the text.
@@ -56,7 +59,8 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     let mut depth = 0usize;
     let mut open = false;
     let mut keyword: Option<(Kind, usize)> = None;
-    for (start, token) in tokens(text) {
+    let all = tokens(text);
+    for (at, (start, token)) in all.iter().copied().enumerate() {
         match token {
             // A `machine` within a machine is a component, not a declaration of the file.
             "machine" if depth > 0 && declares_inner_machine(&text[start + token.len()..]) => {}
@@ -83,6 +87,19 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
                     Kind::Recipe
                 };
                 keyword = Some((kind, start));
+            }
+            "realize" if depth == 0 || begins_line(text, start) => {
+                if let Some((name, end)) = realization(&all[at + 1..]) {
+                    close_before(&mut found, open, start);
+                    depth = 0;
+                    open = false;
+                    keyword = None;
+                    found.push(Declaration {
+                        kind: Kind::Realize,
+                        name,
+                        extent: Span::new(file, start, end),
+                    });
+                }
             }
             "{" | "(" | "[" => depth += 1,
             "}" | ")" | "]" => {
@@ -123,6 +140,31 @@ fn begins_skills(text: &str, end: usize, depth: usize) -> bool {
 fn begins_layout_or_recipe(text: &str, start: usize, word: &str, depth: usize) -> bool {
     (depth == 0 || begins_line(text, start))
         && declares_layout_or_recipe(&text[..start], &text[start + word.len()..])
+}
+
+/// Reads what follows the word `realize`: recipes, each with an optional number, `on` and a layout.
+/// Returns it as text, and where it ends.
+fn realization(tokens: &[(usize, &str)]) -> Option<(String, usize)> {
+    let mut text = String::new();
+    let mut before = ',';
+    for (at, (_, token)) in tokens.iter().enumerate() {
+        let first = token.chars().next()?;
+        let is_digit = first.is_ascii_digit();
+        // Digits are tokens of their own.
+        if !text.is_empty() && first != ',' && !(is_digit && before.is_ascii_digit()) {
+            text.push(' ');
+        }
+        text.push_str(token);
+        if *token == "on" && before != ',' {
+            let (start, layout) = *tokens.get(at + 1)?;
+            return is_name(layout).then(|| (format!("{text} {layout}"), start + layout.len()));
+        }
+        if !is_digit && first != ',' && !is_name(token) {
+            return None;
+        }
+        before = first;
+    }
+    None
 }
 
 /// Whether nothing but `moore` precedes this position in its line.
@@ -230,9 +272,18 @@ mod tests {
         let text = format!("const layout = 2\n{layout}\n{recipe}\nrealize R on L\nline N {{}}");
         let found = outline(&text);
         let short: Vec<(Kind, &str)> = found.iter().map(|d| (d.0, d.1.as_str())).collect();
-        let wanted = [(Kind::Layout, "L"), (Kind::Recipe, "R"), (Kind::Line, "N")];
+        let wanted = [
+            (Kind::Layout, "L"),
+            (Kind::Recipe, "R"),
+            (Kind::Realize, "R on L"),
+            (Kind::Line, "N"),
+        ];
         assert_eq!(short, wanted);
         assert_eq!((found[0].2.as_str(), found[1].2.as_str()), (layout, recipe));
+        assert_eq!(found[2].2, "realize R on L");
+        let many = outline("define realize(x) = x\nrealize 12 A , 3 on\non L recipe R {}");
+        assert_eq!(many[0].1, "12 A, 3 on on L");
+        assert_eq!(many.len(), 2);
         let open = outline("layout A { resource r at s {\nrecipe B { a -> b }");
         assert_eq!(open.len(), 2);
     }

@@ -32,6 +32,7 @@ const CRATES: [(&str, &[&str]); 14] = [
             "interchange",
             "language",
             "line",
+            "recipe",
             "solver",
             "station",
         ],

@@ -42,6 +42,11 @@ impl Fault {
         }
     }
 
+    /// Passes the fault on to the code that catches panics.
+    pub fn raise(self) -> ! {
+        resume_unwind(Box::new(self))
+    }
+
     fn of(payload: Box<dyn Any + Send>) -> Self {
         let payload = match payload.downcast::<Self>() {
             Ok(fault) => return *fault,

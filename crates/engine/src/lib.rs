@@ -31,6 +31,7 @@ pub mod pipeline;
 pub mod play;
 pub mod project;
 pub mod prover;
+pub mod recipes;
 pub mod simulation;
 pub mod speed;
 pub mod statistics;

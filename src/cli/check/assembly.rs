@@ -1,8 +1,8 @@
 //! Assembles the document from the results for contracts and machines.
 
 use super::document::{
-    ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry, SkillsEntry,
-    SkillsVerdict, Summary, Validity, WorkEntry,
+    ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry,
+    RealizationEntry, SkillsEntry, SkillsVerdict, Summary, Validity, WorkEntry,
 };
 use super::explained;
 use super::view::FileView;
@@ -49,10 +49,11 @@ pub(super) struct Assembly<'a> {
     pub(super) statistics: bool,
 }
 
-/// The entry of a machine or a line.
+/// The entry of a machine, a line or a realization.
 enum ProvedEntry {
     Machine(MachineEntry),
     Line(LineEntry),
+    Realization(RealizationEntry),
 }
 
 impl Assembly<'_> {
@@ -67,6 +68,7 @@ impl Assembly<'_> {
             skills: Vec::new(),
             layouts: Vec::new(),
             recipes: Vec::new(),
+            realizations: Vec::new(),
             machines: Vec::new(),
             lines: Vec::new(),
             findings: Vec::new(),
@@ -106,12 +108,13 @@ impl Assembly<'_> {
                         });
                         document.contracts.push(entry);
                     }
-                    Kind::Machine | Kind::Line => {
+                    Kind::Machine | Kind::Line | Kind::Realize => {
                         let (entry, found) = proved.next().expect("every one has an entry");
                         findings = found;
                         match entry {
                             ProvedEntry::Machine(entry) => document.machines.push(entry),
                             ProvedEntry::Line(entry) => document.lines.push(entry),
+                            ProvedEntry::Realization(entry) => document.realizations.push(entry),
                         }
                     }
                     Kind::Skills => {
@@ -173,23 +176,27 @@ impl Assembly<'_> {
         Some((contract, job.map(|(_, job)| &self.checked[*job])))
     }
 
-    /// Proves the machines and lines in parallel. Returns their entries and findings in the order
-    /// of the declarations.
+    /// Proves the machines and lines, and decides what can be made, in parallel. Returns their
+    /// entries and findings in the order of the declarations.
     fn proved(&self) -> Vec<(ProvedEntry, Vec<Diagnostic>)> {
         let declarations = self.files.iter().flat_map(|file| {
             let declarations = file.declarations.iter();
             declarations.map(move |declaration| (file, declaration))
         });
         let claims: Vec<_> = declarations
-            .filter(|(_, d)| matches!(d.kind, Kind::Machine | Kind::Line))
+            .filter(|(_, d)| matches!(d.kind, Kind::Machine | Kind::Line | Kind::Realize))
             .collect();
         let prove = |(file, declaration): (&FileView<'_>, &Declaration)| {
             let mut findings = file.within(declaration);
             self.begin(&declaration.name);
-            let entry = if declaration.kind == Kind::Machine {
-                ProvedEntry::Machine(self.machine(file, declaration, &mut findings))
-            } else {
-                ProvedEntry::Line(self.line(file, declaration, &mut findings))
+            let entry = match declaration.kind {
+                Kind::Machine => {
+                    ProvedEntry::Machine(self.machine(file, declaration, &mut findings))
+                }
+                Kind::Realize => {
+                    ProvedEntry::Realization(self.realization(file, declaration, &mut findings))
+                }
+                _ => ProvedEntry::Line(self.line(file, declaration, &mut findings)),
             };
             (entry, findings)
         };

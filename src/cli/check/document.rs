@@ -39,6 +39,9 @@ pub(super) struct Document {
     /// Recipes; omitted if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) recipes: Vec<RecipeEntry>,
+    /// What is to be made on layouts; omitted if there is nothing.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) realizations: Vec<RealizationEntry>,
     /// The machines.
     pub(super) machines: Vec<MachineEntry>,
     /// The production lines.
@@ -239,6 +242,27 @@ pub(super) struct RecipeEntry {
     /// The number of its transitions; 0 if it is invalid.
     pub(super) transitions: usize,
     /// Findings about the recipe.
+    pub(super) findings: Vec<json::Finding>,
+}
+
+/// Whether the products of a statement `realize` can be made on a layout.
+#[derive(Debug, JsonSchema, Serialize)]
+pub(super) struct RealizationEntry {
+    /// The statement without its first word: `Hinge on Pad`.
+    pub(super) name: String,
+    /// The file with the statement.
+    pub(super) file: String,
+    /// Whether the products can be made, whatever the outcomes of the tests. `realizable` only if
+    /// the replay of the controller has confirmed it.
+    pub(super) verdict: Verdict,
+    /// If realizable: the number of vectors (steps that resources take together) until an end of
+    /// the recipe or of its loop, in the worst case over the outcomes of the tests.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) worst_case: Option<u32>,
+    /// If realizable: whether no controller needs fewer vectors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) is_least: Option<bool>,
+    /// Why it cannot be made, or was not decided.
     pub(super) findings: Vec<json::Finding>,
 }
 

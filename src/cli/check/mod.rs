@@ -229,7 +229,10 @@ fn check(
         jobs: &jobs,
         checked: &checked,
         prover: settings.prover().with_discharges(discharges),
-        progress: &console.progress(machines.len() + library.lines.len(), "proving"),
+        progress: &console.progress(
+            machines.len() + library.lines.len() + library.realizations.len(),
+            "proving",
+        ),
         verbose: options.verbose || arguments.report.is_some(),
         state_count: if is_detailed {
             StateCount::Wanted
@@ -275,6 +278,16 @@ fn check(
             Verdict::Realizable => ExitCode::Success,
         })
         .fold(ExitCode::Success, ExitCode::and);
+    let verdicts = document
+        .realizations
+        .iter()
+        .map(|r| match r.verdict {
+            Verdict::GaveUp => ExitCode::GaveUp,
+            Verdict::InternalError => ExitCode::Internal,
+            Verdict::Unrealizable | Verdict::Invalid => ExitCode::Findings,
+            Verdict::Realizable => ExitCode::Success,
+        })
+        .fold(verdicts, ExitCode::and);
     let code = options.exit_code(&findings).and(verdicts);
     Ok(CheckResult {
         page,

@@ -1,4 +1,4 @@
-//! Layouts and recipes on the page of a check.
+//! Layouts, recipes and what is to be made, on the page of a check.
 
 use super::document::Document;
 use super::report::{Row, declaration, id};
@@ -14,11 +14,26 @@ pub(super) const TITLE: &str = "Layouts and recipes";
 
 /// Whether the page has the section.
 pub(super) fn is_shown(document: &Document) -> bool {
-    !document.layouts.is_empty() || !document.recipes.is_empty()
+    let has_models = !document.layouts.is_empty() || !document.recipes.is_empty();
+    has_models || !document.realizations.is_empty()
 }
 
 /// Rows of the table of results.
 pub(super) fn rows(document: &Document) -> Vec<Row<'_>> {
+    let realizations = document.realizations.iter().enumerate();
+    let realizations = realizations.map(|(number, entry)| Row {
+        id: id("realize", number),
+        name: &entry.name,
+        kind: "realize",
+        mark: entry.verdict.into(),
+        verdict: in_words(entry.verdict),
+        details: match entry.worst_case {
+            Some(steps) => format!("{} in the worst case", count(steps as usize, "step")),
+            None => String::new(),
+        },
+        file: &entry.file,
+        findings: &entry.findings,
+    });
     let layouts = document.layouts.iter().enumerate();
     let layouts = layouts.map(|(number, entry)| Row {
         id: id("layout", number),
@@ -41,7 +56,7 @@ pub(super) fn rows(document: &Document) -> Vec<Row<'_>> {
         file: &entry.file,
         findings: &entry.findings,
     });
-    layouts.chain(recipes).collect()
+    realizations.chain(layouts).chain(recipes).collect()
 }
 
 /// The inside of the section: each layout and each recipe, with its findings.
@@ -54,7 +69,10 @@ pub(super) fn section(document: &Document, sources: &SourceMap) -> Markup {
                 row.mark,
                 &row.verdict,
                 row.findings,
-                &html! { p { (row.details) "." } (findings(sources, row.findings)) },
+                &html! {
+                    @if !row.details.is_empty() { p { (row.details) "." } }
+                    (findings(sources, row.findings))
+                },
             ))
         }
     }

@@ -141,10 +141,11 @@ fn all_findings(document: &Document) -> impl Iterator<Item = &Finding> {
     let skills = document.skills.iter().map(|entry| &entry.findings);
     let layouts = document.layouts.iter().map(|entry| &entry.findings);
     let recipes = document.recipes.iter().map(|entry| &entry.findings);
+    let realizations = document.realizations.iter().map(|entry| &entry.findings);
     let contracts = document.contracts.iter().map(|entry| &entry.findings);
     let outside = std::iter::once(&document.findings);
     let all = lines.chain(machines).chain(skills).chain(layouts);
-    let all = all.chain(recipes).chain(contracts);
+    let all = all.chain(recipes).chain(realizations).chain(contracts);
     all.chain(outside).flatten()
 }
 

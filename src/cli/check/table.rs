@@ -177,6 +177,20 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         let verdict = in_words(r.verdict);
         rows.push(short(r.verdict.into(), name, size, verdict, &r.file));
     }
+    for r in &document.realizations {
+        let mut cells = vec![String::new(); COLUMNS];
+        cells[0] = format!("realize {}", r.name);
+        cells[3] = in_words(r.verdict);
+        cells[4] = r
+            .worst_case
+            .map(|n| count(n as usize, "step"))
+            .unwrap_or_default();
+        cells[6] = file(&r.file);
+        rows.push(Row {
+            mark: r.verdict.into(),
+            cells,
+        });
+    }
     for m in &document.machines {
         let empty = String::new;
         rows.push(Row {
@@ -269,6 +283,9 @@ pub(super) fn short(document: &Document) -> String {
     }
     for r in &document.recipes {
         let _ = writeln!(text, "{}: recipe {}: {}", r.file, r.name, r.verdict);
+    }
+    for r in &document.realizations {
+        let _ = writeln!(text, "{}: realize {}: {}", r.file, r.name, r.verdict);
     }
     for m in &document.machines {
         let _ = writeln!(text, "{}: machine {}: {}", m.file, m.name, m.verdict);

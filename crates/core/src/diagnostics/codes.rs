@@ -174,6 +174,15 @@ codes! {
     LAYOUT_ROUTE = "LW604", "a route does not fit the resources that it joins";
     RECIPE_GRAPH = "LW605", "a recipe does not lead from its start to an end";
     RECIPE_GUARDS = "LW606", "the guards of a recipe do not cover every outcome once";
+    RECIPE_OPERATION = "LW607", "no resource performs an operation of a recipe";
+    RECIPE_PART = "LW608", "an operation needs a part that is not there";
+    RECIPE_WAY = "LW609", "a part cannot get to where it is needed";
+    RECIPE_ROOM = "LW610", "a resource has no room for a part";
+    RECIPE_PARALLEL = "LW611", "parallel operations need different resources";
+    RECIPE_WAIT = "LW612", "a resource would have to wait where it may not";
+    RECIPE_LEFTOVER = "LW613", "a part would remain in the cell";
+    RECIPE_UNREALIZABLE = "LW614", "a recipe cannot be made on a layout";
+    RECIPE_UNDECIDED = "LW615", "it is not decided whether a recipe can be made";
 }
 
 /// Returns the code with an id such as `LW101`; case does not matter.
