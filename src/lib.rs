@@ -44,6 +44,7 @@ pub use linewright_interchange as interchange;
 pub use linewright_language::{contract, order};
 pub use linewright_line as line;
 pub use linewright_log as event_log;
+pub use linewright_recipe as recipe;
 pub use linewright_report as report;
 pub use linewright_solver::{game, mealy, symbolic};
 pub use linewright_station as station;

@@ -25,6 +25,7 @@ pub mod picked;
 pub mod pictures;
 pub mod profiles;
 pub mod proof;
+pub mod recipe;
 pub mod results;
 pub mod run;
 pub mod schema;
@@ -62,7 +63,7 @@ pub struct Arguments {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Check contracts, machines and lines
+    /// Check contracts, machines, lines and recipes
     Check(check::Arguments),
     /// Synthesize a controller from a contract
     Synth(synth::Arguments),
@@ -94,6 +95,8 @@ pub enum Command {
     Explain(explain::Arguments),
     /// Check and monitor calls of skills against skill orders
     Order(order::Arguments),
+    /// Plan, compare and repair recipes on layouts of resources
+    Recipe(recipe::Arguments),
     /// Look up codes of DIN 8580 and VDI 2860
     Din(din::Arguments),
     /// Report available compilers and tools, or the UF_Value layout that a probe found
@@ -197,6 +200,7 @@ impl Command {
             | Self::Fmt(_)
             | Self::Import(_)
             | Self::Explain(_)
+            | Self::Recipe(_)
             | Self::Din(_)
             | Self::Doctor(_)
             | Self::Schema(_)
@@ -223,6 +227,7 @@ impl Command {
             Self::Import(_) => "import",
             Self::Explain(_) => "explain",
             Self::Order(_) => "order",
+            Self::Recipe(_) => "recipe",
             Self::Din(_) => "din",
             Self::Doctor(_) => "doctor",
             Self::Schema(_) => "schema",
@@ -251,6 +256,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Import(a) => import::run(a, options),
         Command::Explain(a) => explain::run(a, options, &Arguments::command()),
         Command::Order(a) => order::run(a, options),
+        Command::Recipe(a) => recipe::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Doctor(a) => doctor::run(a, options),
         Command::Schema(a) => schema::run(a, options),

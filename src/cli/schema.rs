@@ -5,7 +5,7 @@
 
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
-use super::{algebra, build, check, console, din, doctor, explain, fmt, order, proof};
+use super::{algebra, build, check, console, din, doctor, explain, fmt, order, proof, recipe};
 use crate::diagnostics::{json, nearest};
 use crate::station::profile::{self, ProfileEntry};
 use crate::station::{emit, toolchain};
@@ -205,6 +205,7 @@ pub fn all() -> Vec<Described> {
     let mut all = OWN.to_vec();
     all.extend(algebra::DOCUMENTS);
     all.extend(order::DOCUMENTS);
+    all.extend(recipe::DOCUMENTS);
     all.extend([
         build::DOCUMENT,
         check::DOCUMENT,

@@ -71,6 +71,22 @@ impl Selection {
         Self::if_valid(self.read_with(settings, options), command, options)
     }
 
+    /// Like [`Selection::load`], with numbers of a layout set from outside of its file.
+    pub fn load_layout(
+        &self,
+        layout: &str,
+        settings: &[Setting],
+        command: &str,
+        options: &GlobalOptions,
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
+        let settings = Settings {
+            of: Owner::Layout,
+            name: Some(layout),
+            list: settings,
+        };
+        Self::if_valid(self.read_set(settings, options), command, options)
+    }
+
     /// Like [`Selection::load`], for a command that needs only the declaration with that name:
     /// findings in other declarations are dropped, unless a file cannot be read or parsed.
     pub fn load_alone(
@@ -106,12 +122,16 @@ impl Selection {
     }
 
     fn read_with(&self, settings: &[Setting], options: &GlobalOptions) -> LoadedFiles {
-        let standard = files::StandardLibrary::new(options.library.clone());
         let settings = Settings {
             of: Owner::Line,
             name: self.name.as_deref(),
             list: settings,
         };
+        self.read_set(settings, options)
+    }
+
+    fn read_set(&self, settings: Settings<'_>, options: &GlobalOptions) -> LoadedFiles {
+        let standard = files::StandardLibrary::new(options.library.clone());
         files::load_with(std::slice::from_ref(&self.path), &standard, settings)
     }
 

@@ -11,6 +11,7 @@ mod imports;
 mod pages;
 mod project;
 mod readme;
+mod recipes;
 mod schema;
 mod step;
 mod style;

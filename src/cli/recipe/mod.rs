@@ -1,0 +1,85 @@
+//! `linewright recipe`: plans, topologies, comparisons and repairs of layouts and recipes.
+
+mod diff;
+mod plan;
+mod repair;
+mod subject;
+mod topology;
+
+use super::console::Failed;
+use super::exit::ExitCode;
+use super::options::{Format, GlobalOptions};
+use super::schema::{Described, form};
+use crate::engine::pipeline::Verdict;
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+/// The arguments of `recipe`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Subcommand with its arguments.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show how the resources of a layout make a recipe
+    Plan(plan::Arguments),
+    /// Count or draw the states in which the resources of a layout can be together
+    Topology(topology::Arguments),
+    /// Compare which recipes two layouts can make
+    Diff(diff::Arguments),
+    /// Find the smallest changes of a layout that make a recipe possible
+    Repair(repair::Arguments),
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    options.refuse_sarif("the result")?;
+    match &arguments.command {
+        Command::Plan(a) => plan::run(a, options),
+        Command::Topology(a) => topology::run(a, options),
+        Command::Diff(a) => diff::run(a, options),
+        Command::Repair(a) => repair::run(a, options),
+    }
+}
+
+/// The documents of the subcommands, and the one that reports why `recipe` itself has no result.
+pub const DOCUMENTS: [Described; 5] = [
+    plan::DOCUMENT,
+    topology::DOCUMENT,
+    diff::DOCUMENT,
+    repair::DOCUMENT,
+    Described::new("recipe", "Why `recipe` has no result", &[form::<Failed>]),
+];
+
+/// Prints a result: the document with `--format json`, the text otherwise.
+fn print_result(
+    document: &impl Serialize,
+    text: impl FnOnce() -> String,
+    options: &GlobalOptions,
+) -> anyhow::Result<()> {
+    let console = options.console();
+    if options.format == Format::Json {
+        console.document(document)
+    } else {
+        console.result(&text())
+    }
+}
+
+/// The exit code for a verdict.
+fn code_of(verdict: Verdict) -> ExitCode {
+    match verdict {
+        Verdict::Realizable => ExitCode::Success,
+        Verdict::Unrealizable | Verdict::Invalid => ExitCode::Findings,
+        Verdict::GaveUp => ExitCode::GaveUp,
+        Verdict::InternalError => ExitCode::Internal,
+    }
+}
+
+/// `1 step`, or `21 steps`.
+fn count(number: usize, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
+}

@@ -1,0 +1,92 @@
+//! Selects the statements `realize` on which a command works.
+
+use crate::cli::exit::ExitCode;
+use crate::cli::options::GlobalOptions;
+use crate::cli::select::Selection;
+use crate::contract::recipe::{Layout, Realization, Recipe};
+use crate::contract::set::Setting;
+use crate::engine::files::LoadedFiles;
+
+/// Loads the files; if they have errors, prints all findings and returns the command's exit code.
+/// With settings, the layout of the selected statements is loaded again with these numbers.
+pub(super) fn load(
+    selection: &Selection,
+    settings: &[Setting],
+    command: &str,
+    options: &GlobalOptions,
+) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
+    let loaded = match selection.load(command, options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(Err(code)),
+    };
+    if settings.is_empty() {
+        return Ok(Ok(loaded));
+    }
+    let mut layouts: Vec<String> = (realizations(selection, &loaded)?.iter())
+        .map(|r| r.layout.clone())
+        .collect();
+    layouts.sort_unstable();
+    layouts.dedup();
+    let [layout] = layouts.as_slice() else {
+        anyhow::bail!(
+            "--set changes one layout, but these are selected: {}",
+            layouts.join(", ")
+        );
+    };
+    selection.load_layout(layout, settings, command, options)
+}
+
+/// Returns the statements `realize` with the selected recipe or layout; without a name, all that
+/// the file itself has.
+pub(super) fn realizations<'l>(
+    selection: &Selection,
+    loaded: &'l LoadedFiles,
+) -> anyhow::Result<Vec<&'l Realization>> {
+    let library = &loaded.library;
+    let path = &selection.path;
+    let is_own = |r: &&Realization| {
+        let file = &library.sources.file(r.span.file).name;
+        loaded.roots.contains(file)
+    };
+    let own: Vec<&Realization> = library.realizations.iter().filter(is_own).collect();
+    let Some(name) = &selection.name else {
+        anyhow::ensure!(
+            !own.is_empty(),
+            "{path} has no statement `realize`: write `realize RECIPE on LAYOUT`"
+        );
+        return Ok(own);
+    };
+    let has_name = |r: &&&Realization| {
+        r.layout == *name || r.recipes.iter().any(|wanted| wanted.name == *name)
+    };
+    let named: Vec<&Realization> = own.iter().filter(has_name).copied().collect();
+    if named.is_empty() {
+        let known: Vec<String> = (own.iter())
+            .flat_map(|r| {
+                r.recipes
+                    .iter()
+                    .map(|w| w.name.clone())
+                    .chain([r.layout.clone()])
+            })
+            .collect();
+        anyhow::bail!(
+            "{path} has no statement `realize` with a recipe or layout `{name}`: they have {}",
+            known.join(", ")
+        );
+    }
+    Ok(named)
+}
+
+/// Returns the layout of a statement, and its recipe if it asks for one product only.
+pub(super) fn models<'l>(
+    loaded: &'l LoadedFiles,
+    realization: &Realization,
+) -> (Option<&'l Layout>, Option<&'l Recipe>) {
+    let library = &loaded.library;
+    let layout = library.layout_at(realization.layout_declared);
+    let recipe = match realization.recipes.as_slice() {
+        [wanted] if wanted.count == 1 => library.recipe_at(wanted.declared),
+        _ => None,
+    };
+    (layout, recipe)
+}
