@@ -51,8 +51,8 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     Some(finding_of(file, start, text, &error))
 }
 
-/// Returns the finding for a word that stands where the guard or the `:` of a transition would, from
-/// the arrow between its states.
+/// Returns the finding for a word that stands where the guard or the `:` of a transition would,
+/// from the arrow between its states.
 fn after_states(file: FileId, start: usize, text: &str) -> Option<Diagnostic> {
     let target = after_comments(text.strip_prefix("->")?);
     let state = word_at(target);
