@@ -20,6 +20,7 @@
 
 pub mod controller;
 mod intern;
+pub mod jobshop;
 pub mod model;
 pub mod realize;
 pub mod repair;
