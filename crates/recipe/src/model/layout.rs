@@ -114,6 +114,11 @@ impl Resource {
         self
     }
 
+    /// Returns whether the resource may wait in a state. It may not in one that it does not have.
+    pub fn may_wait(&self, name: &str) -> bool {
+        self.states.iter().any(|s| s.name == name && s.may_wait)
+    }
+
     /// Returns the index of a state.
     pub fn state(&self, name: &str) -> Option<usize> {
         self.states.iter().position(|s| s.name == name)

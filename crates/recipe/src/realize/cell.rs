@@ -5,7 +5,7 @@ use rustc_hash::FxHashMap;
 
 /// A transition of a resource, from a known state.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Taken {
+pub(crate) struct Taken {
     pub resource: u16,
     pub transition: u16,
     pub to: u16,
@@ -13,7 +13,7 @@ pub(super) struct Taken {
 
 /// An operation of a step. Parts are kinds; see [`Cell::kinds`].
 #[derive(Debug)]
-pub(super) struct Call {
+pub(crate) struct Call {
     /// What can perform it: the state that is left, and the transition.
     pub performers: Vec<(u16, Taken)>,
     pub inputs: Vec<u16>,
@@ -21,7 +21,7 @@ pub(super) struct Call {
 }
 
 /// A transition of the recipe.
-pub(super) struct Work {
+pub(crate) struct Work {
     pub steps: Vec<Vec<Call>>,
     pub to: u16,
     /// Whether it closes a loop of the recipe.
@@ -30,7 +30,7 @@ pub(super) struct Work {
 
 /// A state of the recipe.
 #[derive(Default)]
-pub(super) struct RecipeState {
+pub(crate) struct RecipeState {
     /// Transitions that leave it.
     pub leaving: Vec<u16>,
     pub is_end: bool,
@@ -42,7 +42,7 @@ pub(super) struct RecipeState {
 
 /// What a resource can do in one of its states, apart from operations.
 #[derive(Default)]
-pub(super) struct StateTable {
+pub(crate) struct StateTable {
     pub may_wait: bool,
     pub internal: Vec<Taken>,
     /// Labels under which it gives a part.
@@ -52,7 +52,7 @@ pub(super) struct StateTable {
 }
 
 /// A layout and a recipe in numbers.
-pub(super) struct Cell {
+pub(crate) struct Cell {
     /// Names of parts: those of the recipe, then types of stock that no part has as a name.
     pub kinds: Vec<String>,
     /// For each part of the recipe, the stock that can replace it.

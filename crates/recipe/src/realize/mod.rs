@@ -18,12 +18,12 @@
 //! A depth-first AND-OR search might need fewer nodes for a verdict, but not to prove that a number
 //! of vectors is the least.
 
-mod cell;
+pub(crate) mod cell;
 mod evaluate;
 mod explore;
 mod extract;
 mod flow;
-mod moves;
+pub(crate) mod moves;
 mod obstacles;
 mod ways;
 
@@ -34,7 +34,7 @@ use evaluate::{NEVER, evaluate};
 use explore::Graph;
 use extract::extract;
 use moves::{Moves, Stride};
-use obstacles::obstacles;
+pub(crate) use obstacles::obstacles;
 use rustc_hash::FxHashSet;
 
 pub use obstacles::Obstacle;

@@ -9,7 +9,7 @@ use super::cell::{Call, Cell, Taken};
 
 /// Something that one or two resources do in a vector.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Event {
+pub(crate) enum Event {
     /// An operation, as an index into the step.
     Operation { call: u16, taken: Taken },
     /// An internal operation.
@@ -67,6 +67,43 @@ pub(super) struct Moves<'c> {
     pub effort: usize,
 }
 
+/// Adds the internal operations and the transfers of a configuration. Whether a part is worth
+/// moving is not asked.
+pub(crate) fn find_events(cell: &Cell, from: &[u16], events: &mut Vec<Event>) {
+    let (states, held) = from.split_at(cell.resources());
+    let table = |r: u16| &cell.states[r as usize][states[r as usize] as usize];
+    for resource in &cell.with_internal {
+        let internal = table(*resource).internal.iter();
+        events.extend(internal.map(|t| Event::Internal(*t)));
+    }
+    let mut last = None;
+    for pair in held.chunks_exact(2) {
+        if last == Some(pair) {
+            continue;
+        }
+        last = Some(pair);
+        for (label, giver) in &table(pair[0]).gives {
+            for receiver in &cell.receivers[*label as usize] {
+                let taker = *receiver as usize;
+                let room = || {
+                    let parts = held.chunks_exact(2).filter(|p| p[0] == *receiver).count();
+                    parts < cell.capacity[taker]
+                };
+                if *receiver == pair[0] || !room() {
+                    continue;
+                }
+                let takes = table(*receiver).takes.iter().filter(|(l, _)| l == label);
+                events.extend(takes.map(|(_, taker)| Event::Transfer {
+                    giver: *giver,
+                    taker: *taker,
+                    label: *label,
+                    kind: pair[1],
+                }));
+            }
+        }
+    }
+}
+
 /// Receives each vector with the next configuration and whether it performs the step. Returns
 /// whether to go on.
 pub(super) type Sink<'s> = dyn FnMut(&[Event], &[u16], bool) -> bool + 's;
@@ -108,39 +145,7 @@ impl<'c> Moves<'c> {
     /// Finds the internal operations and transfers.
     fn find_events(&mut self, from: &[u16]) {
         self.events.clear();
-        let cell = self.cell;
-        let (states, held) = from.split_at(cell.resources());
-        let table = |r: u16| &cell.states[r as usize][states[r as usize] as usize];
-        for resource in &cell.with_internal {
-            let internal = table(*resource).internal.iter();
-            self.events.extend(internal.map(|t| Event::Internal(*t)));
-        }
-        let mut last = None;
-        for pair in held.chunks_exact(2) {
-            if last == Some(pair) {
-                continue;
-            }
-            last = Some(pair);
-            for (label, giver) in &table(pair[0]).gives {
-                for receiver in &cell.receivers[*label as usize] {
-                    let taker = *receiver as usize;
-                    let room = || {
-                        let parts = held.chunks_exact(2).filter(|p| p[0] == *receiver).count();
-                        parts < cell.capacity[taker]
-                    };
-                    if *receiver == pair[0] || !room() {
-                        continue;
-                    }
-                    let takes = table(*receiver).takes.iter().filter(|(l, _)| l == label);
-                    self.events.extend(takes.map(|(_, taker)| Event::Transfer {
-                        giver: *giver,
-                        taker: *taker,
-                        label: *label,
-                        kind: pair[1],
-                    }));
-                }
-            }
-        }
+        find_events(self.cell, from, &mut self.events);
         self.events.sort_by_key(Event::first);
     }
 

@@ -69,7 +69,7 @@ pub enum Obstacle {
 
 /// Returns the causes that are found without a search; each name once. Takes time proportional to
 /// the number of operations in the recipe times the size of the layout.
-pub(super) fn obstacles(layout: &Layout, recipe: &Recipe) -> Vec<Obstacle> {
+pub(crate) fn obstacles(layout: &Layout, recipe: &Recipe) -> Vec<Obstacle> {
     let supply = supplies(layout, recipe);
     let mut search = Search {
         layout,

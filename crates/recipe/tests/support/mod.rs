@@ -5,5 +5,7 @@
 pub mod jobs;
 pub mod mutants;
 pub mod naive;
+pub mod naive_plan;
+pub mod naive_timed;
 pub mod pad;
 pub mod random;

@@ -9,7 +9,7 @@ use linewright_recipe::model::{Action, Guard, Layout, Recipe, Resource, Step, Tr
 use std::collections::{BTreeSet, HashMap};
 
 /// State name and sorted parts of each resource.
-type Cell = Vec<(String, Vec<String>)>;
+pub type Cell = Vec<(String, Vec<String>)>;
 
 /// What happens in the cell while a recipe is made.
 #[derive(Clone, PartialEq, Eq, Hash)]
@@ -118,7 +118,7 @@ pub fn decide(layout: &Layout, recipe: &Recipe, max_nodes: usize) -> Answer {
 }
 
 /// Returns the transitions that enter a state which is still open in a depth-first search.
-fn closing(recipe: &Recipe) -> Vec<bool> {
+pub fn closing(recipe: &Recipe) -> Vec<bool> {
     fn visit(recipe: &Recipe, state: &str, path: &mut Vec<String>, out: &mut Search) {
         if !out.seen.insert(state.to_owned()) {
             return;
@@ -145,7 +145,7 @@ fn closing(recipe: &Recipe) -> Vec<bool> {
 }
 
 /// Returns whether the recipe may be in a state: tests can be performed, nothing remains.
-fn acceptable(layout: &Layout, recipe: &Recipe, state: &str, cell: &Cell) -> bool {
+pub fn acceptable(layout: &Layout, recipe: &Recipe, state: &str, cell: &Cell) -> bool {
     if recipe.ends.iter().any(|e| e == state) {
         let forbidden = |part: &String| {
             let own = recipe.parts.iter().find(|p| p.name == *part);
@@ -167,7 +167,7 @@ fn acceptable(layout: &Layout, recipe: &Recipe, state: &str, cell: &Cell) -> boo
 }
 
 /// Returns the parts without some inputs, if they are all there.
-fn consume(
+pub fn consume(
     recipe: &Recipe,
     cell: &Cell,
     parts: &[String],
@@ -230,7 +230,7 @@ fn combinations<T: Clone>(lists: &[Vec<T>]) -> Vec<Vec<T>> {
 }
 
 /// Returns the cell after each vector, and whether it performs the step.
-fn vectors(
+pub fn vectors(
     layout: &Layout,
     recipe: &Recipe,
     cell: &Cell,

@@ -292,3 +292,21 @@ pub fn cell(seed: u64) -> (Layout, Recipe) {
     };
     (layout, recipe)
 }
+
+/// Returns a second recipe for a random layout.
+pub fn second_recipe(seed: u64, layout: &Layout) -> Recipe {
+    let mut random = Random(seed.wrapping_mul(0x9fb2_1c65_1e98_df25));
+    walked_recipe(&mut random, layout)
+}
+
+/// Gives the transitions of a layout durations of up to three seconds and powers. Those that give a
+/// part take no time if `quick` is true.
+pub fn set_times(seed: u64, layout: &mut Layout, quick: bool) {
+    let mut random = Random(seed.wrapping_mul(0xd6e8_feb8_6659_fd93));
+    for transition in layout.resources.iter_mut().flat_map(|r| &mut r.transitions) {
+        let seconds = random.below(4) as f64;
+        let gives = matches!(transition.action, Action::Out(_));
+        transition.seconds = (!gives || !quick).then_some(seconds);
+        transition.watts = Some(random.below(3) as f64 * 100.0);
+    }
+}
