@@ -10,8 +10,10 @@
 //! - [`topology`] has the reachable synchronous product of the resources, without parts.
 //! - [`realize`] decides whether a recipe can be made on a layout, without the topology.
 //! - [`controller`] has the result of that decision.
+//! - [`plan`] plans several products at once, with least steps, time, energy or transfers.
+//! - [`jobshop`] finds schedules of least makespan where buffers are ample.
 //! - [`repair`] finds the smallest changes of a layout that make a recipe realizable.
-//! - [`replay`] verifies a controller with code of its own.
+//! - [`replay`] and [`replay_plan`] verify controllers and plans with code of their own.
 //!
 //! In each *vector*, a resource takes one transition or waits where its state permits. A transfer
 //! takes a part from one resource to another, with the same label at both. The operations of a

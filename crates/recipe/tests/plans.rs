@@ -11,8 +11,8 @@ use linewright_recipe::plan::{Method, Objective, PlanLimits, PlanOutcome, plan};
 use linewright_recipe::realize::{Outcome, SearchLimits, realize};
 use linewright_recipe::replay_plan;
 use support::naive::Answer;
-use support::naive_timed::{Timed, least_time};
-use support::{naive_plan, random};
+use support::naive_timed::{Timed, least};
+use support::{naive_plan, plan_mutants, random};
 
 fn scale() -> u64 {
     let text = std::env::var("LINEWRIGHT_RECIPE_PLANS").unwrap_or_default();
@@ -104,34 +104,43 @@ fn several_products_in_lockstep_agree_with_the_oracle() {
     assert!(realizable > 10 && unrealizable > 10);
 }
 
-#[test]
-fn least_times_agree_with_the_oracle() {
+/// Compares plans on random cells with the oracle. Returns how many of them are proved optimal.
+fn compare(objective: Objective, seeds: std::ops::Range<u64>) {
+    let unit = match objective {
+        Objective::Time => 1_000_000_000,
+        Objective::Energy => 1_000_000,
+        _ => 1,
+    };
     let (mut realizable, mut unrealizable, mut given_up) = (0, 0, 0);
     let (mut tests, mut exact, mut together) = (0, 0, 0);
-    for seed in 0..700 * scale() {
+    for seed in seeds {
         let (mut layout, mut demands) = demands(seed);
         if seed % 2 == 0 {
             demands.truncate(1);
             demands[0].count = 1;
         }
-        let recipes = || demands.iter().map(|d| &d.recipe);
-        if recipes().any(|r| r.closes_loop().contains(&true)) {
-            continue;
+        for demand in &mut demands {
+            let recipe = &mut demand.recipe;
+            let closes = recipe.closes_loop();
+            for (transition, _) in recipe.transitions.iter_mut().zip(closes).filter(|c| c.1) {
+                transition.to.clone_from(&recipe.ends[0]);
+            }
         }
+        let recipes = || demands.iter().map(|d| &d.recipe);
         let has_tests = recipes().any(|r| r.transitions.iter().any(|t| t.guard != Guard::Always));
         random::set_times(seed, &mut layout, has_tests);
-        let answer = least_time(&layout, &demands, 3_000);
+        if recipes().any(|r| r.problems().iter().any(|p| !p.is_warning())) {
+            continue;
+        }
+        let answer = least(&layout, &demands, objective, 2_000);
         if answer == Timed::TooLarge {
             continue;
         }
-        match (answer, planned(&layout, &demands, Objective::Time, 3_000)) {
-            (Timed::Realizable(seconds), PlanOutcome::Planned(plan)) => {
-                let nanoseconds = seconds as i64 * 1_000_000_000;
-                assert!(
-                    plan.lower_bound <= nanoseconds,
-                    "{seed}: {seconds} {plan:#?}"
-                );
-                assert!(nanoseconds <= plan.value, "{seed}: {seconds} {plan:#?}");
+        match (answer, planned(&layout, &demands, objective, 2_000)) {
+            (Timed::Realizable(cost), PlanOutcome::Planned(plan)) => {
+                let cost = cost as i64 * unit;
+                assert!(plan.lower_bound <= cost, "{seed}: {cost} {plan:#?}");
+                assert!(cost <= plan.value, "{seed}: {cost} {plan:#?}");
                 realizable += 1;
                 tests += usize::from(has_tests);
                 exact += usize::from(plan.is_least());
@@ -143,8 +152,43 @@ fn least_times_agree_with_the_oracle() {
         }
     }
     println!(
-        "{realizable} realizable ({exact} proved, {tests} with tests, {together} of several products), \
-         {unrealizable} not, {given_up} given up"
+        "{objective:?}: {realizable} realizable ({exact} proved, {tests} with tests, {together} of \
+         several products), {unrealizable} not, {given_up} given up"
     );
-    assert!(exact * 10 >= realizable * 9);
+    assert!(exact * 10 >= realizable * 9 && realizable > 10);
+}
+
+#[test]
+fn least_times_agree_with_the_oracle() {
+    compare(Objective::Time, 0..300 * scale());
+}
+
+#[test]
+fn least_energies_and_transfers_agree_with_the_oracle() {
+    compare(Objective::Energy, 0..150 * scale());
+    compare(Objective::Transfers, 1_000_000..1_000_000 + 150 * scale());
+}
+
+#[test]
+fn changed_plans_are_refused() {
+    let mut random = random::Random(7);
+    let mut refused = 0;
+    for seed in 0..250 * scale() {
+        let (mut layout, demands) = demands(seed);
+        random::set_times(seed, &mut layout, false);
+        for objective in [Objective::Steps, Objective::Time] {
+            let PlanOutcome::Planned(found) = planned(&layout, &demands, objective, 1_000) else {
+                continue;
+            };
+            for _ in 0..20 {
+                let mutant = plan_mutants::mutate(&layout, &found, &mut random);
+                let Some(mutant) = mutant else { continue };
+                let replayed = replay_plan::verify(&layout, &demands, &mutant);
+                assert!(replayed.is_err(), "{seed}: {found:#?} {mutant:#?}");
+                refused += 1;
+            }
+        }
+    }
+    println!("{refused} changed plans refused");
+    assert!(refused > 500);
 }

@@ -49,6 +49,8 @@ pub(super) struct Bounds {
     /// closed ends the count, and the other products may be anywhere.
     has_loops: bool,
     metrics: Vec<Metric>,
+    /// Number of transfers. It only decides between equal bounds.
+    transfers: Metric,
     /// For each demand, transition and number of steps performed: parts that are needed later, each
     /// with the resources that can need it first.
     uses: Vec<Vec<Vec<Uses>>>,
@@ -85,6 +87,14 @@ impl Bounds {
                     .iter()
                     .any(|c| c.works.iter().any(|w| w.closes_loop)),
             metrics: Vec::new(),
+            transfers: Metric {
+                resource: None,
+                way: Vec::new(),
+                rest: Rest {
+                    all: Vec::new(),
+                    open: Vec::new(),
+                },
+            },
             uses: uses(shop),
             single: (0..shop.demands.len()).map(|d| single(shop, d)).collect(),
             way,
@@ -93,38 +103,39 @@ impl Bounds {
             all: bounds.time_rest(shop, true),
             open: bounds.time_rest(shop, false),
         };
-        match objective {
-            Objective::Steps | Objective::Time => {
-                for resource in 0..resources.min(MAX_RESOURCES) {
-                    let own = |r: usize, t: usize| if r == resource { shop.ticks[r][t] } else { 0 };
-                    bounds.add_metric(shop, Some(resource), &own);
-                }
-            }
-            Objective::Energy => bounds.add_metric(shop, None, &|r, t| shop.energy[r][t]),
-            Objective::Transfers => bounds.add_metric(shop, None, &|r, t| {
-                let action = &shop.layout.resources[r].transitions[t].action;
-                i64::from(matches!(action, Action::Out(_)))
-            }),
-        }
+        bounds.transfers = bounds.metric(shop, None, &|r, t| {
+            let action = &shop.layout.resources[r].transitions[t].action;
+            i64::from(matches!(action, Action::Out(_)))
+        });
+        bounds.metrics = match objective {
+            Objective::Steps | Objective::Time => (0..resources.min(MAX_RESOURCES))
+                .map(|own| {
+                    let ticks = |r: usize, t: usize| if r == own { shop.ticks[r][t] } else { 0 };
+                    bounds.metric(shop, Some(own), &ticks)
+                })
+                .collect(),
+            Objective::Energy => vec![bounds.metric(shop, None, &|r, t| shop.energy[r][t])],
+            Objective::Transfers => Vec::new(),
+        };
         bounds
     }
 
-    fn add_metric(
-        &mut self,
+    fn metric(
+        &self,
         shop: &Shop<'_>,
         resource: Option<usize>,
         cost: &dyn Fn(usize, usize) -> i64,
-    ) {
+    ) -> Metric {
         let way = ways(shop, cost, false);
         let rest = Rest {
             all: self.cost_rest(shop, &way, cost, true),
             open: self.cost_rest(shop, &way, cost, false),
         };
-        self.metrics.push(Metric {
+        Metric {
             resource,
             way,
             rest,
-        });
+        }
     }
 
     /// Returns the least way between two sets of resources.
@@ -290,12 +301,14 @@ impl Bounds {
                     let rest = Self::rest_of(shop, *slot, &self.rest.all, &state.words);
                     return self.begin(shop, *slot, state) + rest;
                 }
-                spent + self.sum(shop, *slot, &self.metrics[0], true, &state.words)
+                let metric = self.metrics.first().unwrap_or(&self.transfers);
+                spent + self.sum(shop, *slot, metric, true, &state.words)
             });
             return base.max(each.min().unwrap_or(0)).min(NEVER);
         }
         let with_loops = !self.has_loops;
         let mut most = base;
+        let transfers = (self.objective == Objective::Transfers).then_some(&self.transfers);
         if is_time {
             let table = if with_loops {
                 &self.rest.all
@@ -307,7 +320,7 @@ impl Bounds {
                 most = most.max(self.begin(shop, slot, state) + rest);
             }
         }
-        for metric in &self.metrics {
+        for metric in self.metrics.iter().chain(transfers) {
             let each = slots.clone();
             let each = each.map(|slot| self.sum(shop, slot, metric, with_loops, &state.words));
             let sum = each.fold(0, |a, b| (a + b).min(NEVER));
@@ -318,6 +331,14 @@ impl Bounds {
             }
         }
         most.min(NEVER)
+    }
+
+    /// Returns the number of transfers that are left at least.
+    pub fn transfers_left(&self, shop: &Shop<'_>, state: &State) -> i64 {
+        let of = |slot| self.sum(shop, slot, &self.transfers, true, &state.words);
+        (0..shop.slots.len())
+            .map(of)
+            .fold(0, |a, b| (a + b).min(NEVER))
     }
 
     /// Returns what a slot's product still costs at least.

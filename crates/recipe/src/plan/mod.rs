@@ -89,7 +89,7 @@ pub struct PlanLimits {
 impl Default for PlanLimits {
     fn default() -> Self {
         Self {
-            nodes: 200_000,
+            nodes: 100_000,
             job_shop: jobshop::Limits::default(),
             first: false,
         }

@@ -108,7 +108,7 @@ struct Segment {
     /// Ways of at least this cost are not wanted.
     cutoff: i64,
     nodes: Vec<Node>,
-    /// Cost, steps that are left at least, number of the item.
+    /// Cost, steps and transfers that are left at least, number of the item.
     queue: BinaryHeap<Reverse<(i64, u32, Reverse<usize>)>>,
     items: Vec<(u32, Item)>,
     seen: FxHashMap<u64, Vec<u32>>,
@@ -399,7 +399,7 @@ impl<'s> Search<'s> {
         if segment.is_dominated(hash, &state, own) {
             return Ok(());
         }
-        let left = self.steps_left(&state);
+        let left = self.events_left(&state);
         let node = self.keep(segment, state, happening, parent, own)?;
         segment.seen.entry(hash).or_default().push(node);
         segment.push(bound, left, node, Item::Open);
@@ -514,7 +514,7 @@ impl<'s> Search<'s> {
             ways = longer.collect();
         }
         let closes_loop = state.words[2 * slot + 1] != PLACE;
-        let left = self.steps_left(state);
+        let left = self.events_left(state);
         for after in ways {
             if closes_loop {
                 let mut state = state.clone();
@@ -583,8 +583,9 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// Returns the number of steps that are left at least. It only decides between equal costs.
-    fn steps_left(&self, state: &State) -> u32 {
+    /// Returns the number of steps and transfers that are left at least. It only decides between
+    /// equal costs.
+    fn events_left(&self, state: &State) -> u32 {
         let of = |slot: usize| {
             let (first, second) = (state.words[2 * slot], state.words[2 * slot + 1]);
             let cell = self.shop.cell(slot);
@@ -595,7 +596,9 @@ impl<'s> Search<'s> {
                 _ => cell.recipe_states[first as usize].steps_to_go,
             }
         };
-        (0..self.shop.slots.len()).map(of).sum()
+        let steps: u32 = (0..self.shop.slots.len()).map(of).sum();
+        let transfers = self.bounds.transfers_left(self.shop, state);
+        steps.saturating_add(u32::try_from(transfers).unwrap_or(u32::MAX))
     }
 }
 

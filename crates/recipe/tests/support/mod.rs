@@ -2,10 +2,14 @@
 
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub mod floor;
 pub mod jobs;
 pub mod mutants;
 pub mod naive;
 pub mod naive_plan;
 pub mod naive_timed;
 pub mod pad;
+pub mod plan_mutants;
 pub mod random;
+#[path = "../../../../tests/support/external.rs"]
+pub mod external;

@@ -1,16 +1,17 @@
 //! Oracle for timed plans: a simulation of the cell in steps of one second, with everything that
-//! the resources can begin in each of them, and the least worst-case time over all that can happen.
+//! the resources can begin in each of them, and the least worst-case cost over all that can happen.
 //! Durations are whole seconds. Recipes have no loops.
 
 use super::naive::{Cell, consume};
 use super::naive_plan::{Products, Status, separate};
 use linewright_recipe::model::{Action, Demand, Guard, Layout, Recipe, Transition};
+use linewright_recipe::plan::Objective;
 use std::collections::HashMap;
 
 /// Answer of the oracle.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Timed {
-    /// Least time in seconds in the worst case.
+    /// Least time in seconds, energy in joules, or number of transfers in the worst case.
     Realizable(usize),
     Unrealizable,
     TooLarge,
@@ -32,7 +33,7 @@ struct Instant {
 enum Next {
     End,
     All(Vec<usize>),
-    /// Nodes and the seconds that it takes to get there.
+    /// Nodes and what it costs to get there.
     One(Vec<(usize, usize)>),
 }
 
@@ -40,8 +41,8 @@ fn seconds(transition: &Transition) -> u8 {
     transition.seconds.unwrap_or(0.0) as u8
 }
 
-/// Returns the least worst-case time of the products.
-pub fn least_time(layout: &Layout, demands: &[Demand], max_nodes: usize) -> Timed {
+/// Returns the least worst-case time, energy or number of transfers of the products.
+pub fn least(layout: &Layout, demands: &[Demand], objective: Objective, max_nodes: usize) -> Timed {
     let products = separate(layout, demands);
     let resources = products.layout.resources.len();
     let cell: Cell = (products.layout.resources.iter())
@@ -71,6 +72,7 @@ pub fn least_time(layout: &Layout, demands: &[Demand], max_nodes: usize) -> Time
         };
         let follows = Naive {
             products: &products,
+            objective,
             at: &node,
         };
         next.push(follows.next(&mut know));
@@ -104,13 +106,21 @@ pub fn least_time(layout: &Layout, demands: &[Demand], max_nodes: usize) -> Time
 
 struct Naive<'a> {
     products: &'a Products,
+    objective: Objective,
     at: &'a Instant,
 }
 
 impl Naive<'_> {
     fn next(&self, know: &mut dyn FnMut(Instant) -> usize) -> Next {
         let at = self.at;
-        let layout = &self.products.layout;
+        if let Some((product, state)) = self.asked() {
+            let recipe = &self.products.recipes[product];
+            let children = self.leaving(recipe, &state);
+            let children = children
+                .iter()
+                .map(|n| know(self.with(product, Status::Task(*n, 0))));
+            return Next::All(children.collect());
+        }
         let is_end = |(p, s): (usize, &Status)| match s {
             Status::At(state) => self.products.recipes[p].ends.contains(state),
             Status::Task(..) => false,
@@ -152,7 +162,7 @@ impl Naive<'_> {
         let mut edges = Vec::new();
         self.begin_transitions(know, &mut edges);
         self.begin_steps(know, &mut edges);
-        // A test: a node of its own, since the outcome is not a choice.
+        // A test: a node of its own, since only whether it takes place now is a choice.
         for (product, recipe) in self.products.recipes.iter().enumerate() {
             let Status::At(state) = &at.status[product] else {
                 continue;
@@ -161,26 +171,9 @@ impl Naive<'_> {
             {
                 continue;
             }
-            let leaving = self.leaving(recipe, state);
-            let children: Vec<usize> = (leaving.iter())
-                .map(|n| know(self.with(product, Status::Task(*n, 0))))
-                .collect();
-            // Asking is never worse than not asking at this instant, unless something begins first
-            // whose order matters: both are tried through a marked copy.
-            if edges.is_empty() && !self.may_pass() {
-                return Next::All(children);
-            }
             let mut asked = at.clone();
             asked.status[product] = Status::At(format!("?{state}"));
             edges.push((know(asked), 0));
-        }
-        if let Some((product, state)) = self.asked() {
-            let recipe = &self.products.recipes[product];
-            let children = self.leaving(recipe, &state);
-            let children = children
-                .iter()
-                .map(|n| know(self.with(product, Status::Task(*n, 0))));
-            return Next::All(children.collect());
         }
         if self.may_pass() {
             let mut later = at.clone();
@@ -188,13 +181,19 @@ impl Naive<'_> {
                 *left = left.saturating_sub(1);
             }
             if later != *at {
-                edges.push((know(later), 1));
-            } else if at.status.iter().enumerate().all(is_end) {
-                edges.push((know(later), 1));
+                edges.push((know(later), usize::from(self.objective == Objective::Time)));
             }
         }
-        let _ = layout;
         Next::One(edges)
+    }
+
+    /// Returns the joules of a transition, if they count.
+    fn energy(&self, transition: &Transition) -> usize {
+        if self.objective == Objective::Energy {
+            usize::from(seconds(transition)) * transition.watts.unwrap_or(0.0) as usize
+        } else {
+            0
+        }
     }
 
     /// Returns the product that is being tested, and its state.
@@ -298,7 +297,9 @@ impl Naive<'_> {
                 after.cell[taker].1.push(part);
                 after.cell[taker].1.sort();
                 after.busy[taker] = seconds(taken);
-                edges.push((know(after), 0));
+                let transfer = usize::from(self.objective == Objective::Transfers);
+                let cost = transfer + self.energy(given) + self.energy(taken);
+                edges.push((know(after), cost));
             }
         }
         edges
@@ -323,7 +324,7 @@ impl Naive<'_> {
                         let mut after = at.clone();
                         after.cell[r].0.clone_from(&transition.to);
                         after.busy[r] = seconds(transition);
-                        edges.push((know(after), 0));
+                        edges.push((know(after), self.energy(transition)));
                     }
                     Action::Out(_) => {
                         let mut parts = at.cell[r].1.clone();
@@ -354,10 +355,10 @@ impl Naive<'_> {
                 continue;
             }
             // Assign a transition to each operation, one after the other.
-            let mut open: Vec<(Instant, Vec<usize>)> = vec![(at.clone(), Vec::new())];
+            let mut open: Vec<(Instant, Vec<usize>, usize)> = vec![(at.clone(), Vec::new(), 0)];
             for call in &step.operations {
                 let mut longer = Vec::new();
-                for (so_far, used) in &open {
+                for (so_far, used, cost) in &open {
                     for (r, resource) in self.products.layout.resources.iter().enumerate() {
                         if used.contains(&r) || !self.is_free(r) {
                             continue;
@@ -380,15 +381,15 @@ impl Naive<'_> {
                             after.ready[product] = after.ready[product].max(seconds(transition));
                             let mut used = used.clone();
                             used.push(r);
-                            longer.push((after, used));
+                            longer.push((after, used, cost + self.energy(transition)));
                         }
                     }
                 }
                 open = longer;
             }
-            for (mut after, _) in open {
+            for (mut after, _, cost) in open {
                 after.status[product] = Status::Task(n, done + 1);
-                edges.push((know(after), 0));
+                edges.push((know(after), cost));
             }
         }
     }
