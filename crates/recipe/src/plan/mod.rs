@@ -49,6 +49,7 @@
 
 mod bounds;
 mod dispatch;
+mod events;
 mod extract;
 mod path;
 mod search;

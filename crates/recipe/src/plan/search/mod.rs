@@ -16,6 +16,8 @@
 //! Loops are a greatest fixpoint, as in [`crate::realize`]: a transition that closes a loop ends the
 //! count in a *position*, which has to have a plan of its own; positions without one are refuted.
 
+mod expand;
+
 use super::Objective;
 use super::bounds::{Bounds, is_never};
 use super::shop::Shop;
@@ -28,11 +30,11 @@ use std::hash::{Hash, Hasher};
 use std::rc::Rc;
 
 /// Stands for a bound that nothing can keep.
-pub(super) const NONE: i64 = i64::MAX;
+pub(in crate::plan) const NONE: i64 = i64::MAX;
 
 /// How a segment ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Stop {
+pub(in crate::plan) enum Stop {
     /// All products are finished.
     Ended,
     /// A product closes a loop. A slot is given if its product has waited for the resources that
@@ -44,7 +46,7 @@ pub(super) enum Stop {
 
 /// A test at the end of a segment.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Test {
+pub(in crate::plan) struct Test {
     pub slot: usize,
     /// Variables that it follows.
     pub after: Vec<u16>,
@@ -58,7 +60,7 @@ pub(super) struct Test {
 
 /// The solution of a segment.
 #[derive(Debug)]
-pub(super) struct Solved {
+pub(in crate::plan) struct Solved {
     /// Cost from the root in the worst case; `None` if no plan was found.
     pub value: Option<i64>,
     /// No plan costs less; [`NONE`] if there is none at all.
@@ -69,10 +71,10 @@ pub(super) struct Solved {
 }
 
 /// Error: the limit of nodes was reached.
-pub(super) struct LimitReached;
+pub(in crate::plan) struct LimitReached;
 
 /// A search, with all segments that it has solved.
-pub(super) struct Search<'s> {
+pub(in crate::plan) struct Search<'s> {
     pub shop: &'s Shop<'s>,
     pub bounds: Bounds,
     objective: Objective,
@@ -455,150 +457,6 @@ impl<'s> Search<'s> {
         let node = self.keep(segment, state, happening, parent, own)?;
         segment.push(value, 0, node, Item::Done(stop));
         Ok(())
-    }
-
-    /// Adds what can follow a state.
-    fn expand(
-        &mut self,
-        segment: &mut Segment,
-        node: u32,
-        bound: i64,
-        lower: &mut i64,
-    ) -> Result<(), LimitReached> {
-        let at = &segment.nodes[node as usize];
-        let (state, cost) = (at.state.clone(), at.cost);
-        for slot in 0..self.shop.slots.len() {
-            if let Some(place) = self.shop.pending(&state.words, slot) {
-                self.add_tests(segment, node, &state, slot, place, (cost, bound), lower)?;
-            }
-        }
-        for happening in self.shop.happenings(&state.words) {
-            if let Some(next) = self.shop.apply(&state, &happening) {
-                let cost = cost + self.cost(&happening);
-                self.add(segment, next, Some(happening), node, cost)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds the tests of a slot's product.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "they are the state of the search"
-    )]
-    fn add_tests(
-        &mut self,
-        segment: &mut Segment,
-        node: u32,
-        state: &State,
-        slot: usize,
-        place: u16,
-        (cost, bound): (i64, i64),
-        lower: &mut i64,
-    ) -> Result<(), LimitReached> {
-        // Variables that the test follows, for each choice of resources that can perform it.
-        let mut ways = vec![vec![self.shop.ready_variable(slot)]];
-        let held = self.shop.held(&state.words);
-        for (inputs, testers) in &self.shop.cell(slot).recipe_states[place as usize].tests {
-            let able = testers
-                .iter()
-                .filter(|r| self.shop.holds(slot, **r, inputs, held));
-            let able: Vec<u16> = able.copied().collect();
-            let longer = ways.iter().flat_map(|way| {
-                able.iter().map(move |r| {
-                    let mut way = way.clone();
-                    way.push(*r);
-                    way
-                })
-            });
-            ways = longer.collect();
-        }
-        let closes_loop = state.words[2 * slot + 1] != PLACE;
-        let left = self.events_left(state);
-        for after in ways {
-            if closes_loop {
-                let mut state = state.clone();
-                self.shop.set(&mut state, slot, [place, PLACE]);
-                self.finish(segment, state, None, node, cost, Stop::Loop(Some(slot)))?;
-                continue;
-            }
-            let mut push = |after: &[u16], least: i64, ends: bool| {
-                let (time, low) = state.zone.settle(after, least, ends)?;
-                let mut later = state.clone();
-                let raised = low.iter().map(|l| (*l).max(time)).collect();
-                later.zone = Zone::new(raised, state.zone.anchors.clone());
-                let own = self.bounds.least(self.shop, &later, cost).max(bound);
-                if !is_never(own) {
-                    let test = Test {
-                        slot,
-                        after: after.to_vec(),
-                        least,
-                        time,
-                        low: low.clone(),
-                    };
-                    segment.push(own, left, node, Item::Test(test));
-                }
-                Some((time, low, own))
-            };
-            if self.shop.execution == super::Execution::Lockstep {
-                let all: Vec<u16> = (0..state.zone.low.len() as u16).collect();
-                push(&all, 0, true);
-                break;
-            }
-            let Some((time, low, own)) = push(&after, 0, false) else {
-                continue;
-            };
-            let is_anchor = |v: usize| state.zone.anchors.binary_search(&(v as u16)).is_ok();
-            let mut later: Vec<i64> = (low.iter().copied().enumerate())
-                .filter(|(v, low)| *low > time && !is_anchor(*v))
-                .map(|(_, low)| low)
-                .collect();
-            later.sort_unstable();
-            later.dedup();
-            if !state.zone.anchors.is_empty() && !later.is_empty() {
-                *lower = (*lower).min(own);
-                for least in later {
-                    push(&after, least, false);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the cost of a happening, if the objective is not a time.
-    fn cost(&self, happening: &Happening) -> i64 {
-        let energy = |t: &crate::realize::cell::Taken| {
-            self.shop.energy[t.resource as usize][t.transition as usize]
-        };
-        match (self.objective, happening) {
-            (Objective::Transfers, Happening::Transfer { .. }) => 1,
-            (Objective::Energy, Happening::Transfer { giver, taker, .. }) => {
-                energy(giver) + energy(taker)
-            }
-            (Objective::Energy, Happening::Internal(taken)) => energy(taken),
-            (Objective::Energy, Happening::Step { performers, .. }) => {
-                performers.iter().map(energy).sum()
-            }
-            _ => 0,
-        }
-    }
-
-    /// Returns the number of steps and transfers that are left at least. It only decides between
-    /// equal costs.
-    fn events_left(&self, state: &State) -> u32 {
-        let of = |slot: usize| {
-            let (first, second) = (state.words[2 * slot], state.words[2 * slot + 1]);
-            let cell = self.shop.cell(slot);
-            match cell.works.get(first as usize) {
-                Some(work) if (second as usize) <= work.steps.len() => {
-                    (work.steps.len() - second as usize) as u32 + cell.steps_after(work)
-                }
-                _ => cell.recipe_states[first as usize].steps_to_go,
-            }
-        };
-        let steps: u32 = (0..self.shop.slots.len()).map(of).sum();
-        let transfers = self.bounds.transfers_left(self.shop, state);
-        steps.saturating_add(u32::try_from(transfers).unwrap_or(u32::MAX))
     }
 }
 
