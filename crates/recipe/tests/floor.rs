@@ -3,7 +3,7 @@
 mod support;
 
 use linewright_recipe::jobshop;
-use linewright_recipe::model::{Demand, Layout};
+use linewright_recipe::model::{Action, Demand, Layout};
 use linewright_recipe::plan::{
     Method, Objective, Plan, PlanLimits, PlanOutcome, critical_path, plan,
 };
@@ -110,7 +110,11 @@ fn twenty_products_on_ten_resources() {
     assert_eq!(found.method, Method::OneAfterTheOther(vec![0, 1]));
     println!("{} vectors, at least {}", found.value, found.lower_bound);
     assert!(found.lower_bound < found.value);
-    // Neither of the recipes can be made in parallel with five resources.
+    // With five resources, the steps in parallel are not possible.
+    let limits = PlanLimits {
+        nodes: 3_000,
+        ..limits
+    };
     let outcome = plan(&pad::five(), &demands, Objective::Steps, limits);
     assert!(
         !matches!(outcome, Ok(PlanOutcome::Planned(_))),
@@ -141,6 +145,57 @@ fn work_on_the_line_is_finished() {
     let demands = [Demand::new(recipe, 1)];
     let found = planned(&layout, &demands, Objective::Steps, PlanLimits::default());
     assert_eq!((found.value, found.is_least()), (2, true));
+}
+
+/// Returns the demonstrator with times: 6 s for each way of the shuttle.
+fn timed_pad(resources: usize) -> Layout {
+    let mut layout = pad::layout(resources);
+    let seconds = [
+        ("load", 5.0),
+        ("separate", 4.0),
+        ("glue", 12.0),
+        ("engrave", 8.0),
+        ("insert", 6.0),
+        ("vision", 3.0),
+        ("force", 5.0),
+        ("store", 2.0),
+        ("remove", 2.0),
+    ];
+    for resource in &mut layout.resources {
+        let is_shuttle = resource.name == "r5";
+        for transition in &mut resource.transitions {
+            transition.seconds = match &transition.action {
+                Action::Operation(name) => seconds
+                    .iter()
+                    .find(|(n, _)| n == name)
+                    .map(|(_, seconds)| *seconds),
+                Action::Out(_) if is_shuttle => Some(6.0),
+                _ => None,
+            };
+            transition.watts = transition.seconds.map(|_| 100.0);
+        }
+    }
+    layout
+}
+
+/// The hinge on the demonstrator, whose test station may not wait: from the text, load, way,
+/// separate, two ways to the glue robot and two back, of which one is hidden behind glue and
+/// engrave, insert, way, vision, force, way, store.
+#[test]
+fn the_hinge_is_planned_with_each_objective() {
+    let demands = [Demand::new(pad::hinge(false), 1)];
+    let mut values = Vec::new();
+    for objective in [Objective::Time, Objective::Energy, Objective::Transfers] {
+        let found = planned(&timed_pad(5), &demands, objective, PlanLimits::default());
+        println!("{objective:?}: {} {} nodes", found.value, found.nodes);
+        assert!(
+            found.is_least(),
+            "{objective:?}: {} of {}",
+            found.lower_bound,
+            found.value
+        );
+        values.push(found.value);
+    }
 }
 
 /// Measures in a release build: each job shop may take 60 s of CPU, and twenty products are planned

@@ -75,7 +75,7 @@ fn demands(seed: u64) -> (Layout, Vec<Demand>) {
 #[test]
 fn several_products_in_lockstep_agree_with_the_oracle() {
     let (mut realizable, mut unrealizable, mut given_up, mut together) = (0, 0, 0, 0);
-    for seed in 0..400 * scale() {
+    for seed in 0..300 * scale() {
         let (layout, demands) = demands(seed);
         let answer = naive_plan::decide(&layout, &demands, 400);
         if answer == Answer::TooLarge {

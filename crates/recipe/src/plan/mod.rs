@@ -73,6 +73,8 @@ use crate::replay_plan;
 use search::{NONE, Search};
 use shop::{Shop, initial, products};
 
+/// Maximum duration of a transition in s; a thousand times this is the maximum energy in J.
+const MAX_SECONDS: usize = 10_000_000;
 /// Maximum number of products that the search over all plans looks at.
 const MAX_TOGETHER: usize = 64;
 
@@ -125,14 +127,16 @@ pub enum PlanOutcome {
 /// that are in the cell at the same time.
 ///
 /// # Errors
-/// All problems of the layout and the recipes, if any of them is more than a warning.
+/// All problems of the layout and the recipes, if any of them is more than a warning; durations over
+/// 10,000,000 s and energies over 10,000,000,000 J of a transition are problems, too.
 pub fn plan(
     layout: &Layout,
     demands: &[Demand],
     objective: Objective,
     limits: PlanLimits,
 ) -> Result<PlanOutcome, Vec<Problem>> {
-    let problems = demand_problems(layout, demands);
+    let mut problems = demand_problems(layout, demands);
+    problems.extend(large_quantities(layout));
     if problems.iter().any(|p| !p.is_warning()) {
         return Err(problems);
     }
@@ -153,6 +157,29 @@ pub fn plan(
         assert_eq!(replayed, Ok(()), "a plan is wrong; please report this");
     }
     Ok(outcome)
+}
+
+/// Returns a problem if a transition takes so long, or needs so much energy, that sums of them
+/// could not be represented.
+fn large_quantities(layout: &Layout) -> Option<Problem> {
+    let transitions = layout.resources.iter().flat_map(|r| &r.transitions);
+    let mut sizes = transitions.map(|t| {
+        let seconds = t.seconds.unwrap_or(0.0);
+        (seconds, seconds * t.watts.unwrap_or(0.0))
+    });
+    sizes.find_map(|(seconds, joules)| {
+        let what = if seconds > MAX_SECONDS as f64 {
+            "seconds of a transition, in units of 1"
+        } else if joules > MAX_SECONDS as f64 * 1e3 {
+            "joules of a transition, in units of 1,000"
+        } else {
+            return None;
+        };
+        Some(Problem::TooLarge {
+            what,
+            limit: MAX_SECONDS,
+        })
+    })
 }
 
 /// Plans the products; layout and recipes have no problems.

@@ -26,7 +26,7 @@ pub fn critical_path(plan: &Plan) -> Vec<CriticalEntry> {
             break;
         }
         let mut entries = Vec::new();
-        let (time, then) = longest(plan, &plan.positions[position].schedule, &mut entries, 0);
+        let (time, then) = longest(&plan.positions[position].schedule, &mut entries);
         let chain = chain(&entries, time);
         path.extend(chain.into_iter().map(|entry| CriticalEntry {
             position,
@@ -39,12 +39,7 @@ pub fn critical_path(plan: &Plan) -> Vec<CriticalEntry> {
 
 /// Collects the entries of the way through a schedule that takes longest. Returns how long it takes,
 /// and the position that follows it if the count goes on there.
-fn longest<'p>(
-    plan: &'p Plan,
-    schedule: &'p Schedule,
-    entries: &mut Vec<&'p Entry>,
-    depth: usize,
-) -> (i64, Option<usize>) {
+fn longest<'p>(schedule: &'p Schedule, entries: &mut Vec<&'p Entry>) -> (i64, Option<usize>) {
     entries.extend(&schedule.entries);
     match &schedule.then {
         Next::End { time } => (*time, None),
@@ -57,7 +52,7 @@ fn longest<'p>(
             let mut best: Option<(i64, Option<usize>, Vec<&Entry>)> = None;
             for (_, outcome) in outcomes {
                 let mut own = Vec::new();
-                let (time, then) = longest(plan, outcome, &mut own, depth + 1);
+                let (time, then) = longest(outcome, &mut own);
                 if best.as_ref().is_none_or(|b| time > b.0) {
                     best = Some((time, then, own));
                 }

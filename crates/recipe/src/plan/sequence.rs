@@ -9,9 +9,11 @@ use super::search::{NONE, Search};
 use super::shop::{Configuration, Kind, Shop, initial, products};
 use super::{Method, Next, Objective, Plan, PlanPosition, Progress};
 use crate::model::{Demand, Layout};
+use rustc_hash::FxHashMap;
+use std::cmp::Ordering;
 
-/// Maximum number of positions.
-const MAX_POSITIONS: usize = 100_000;
+/// Maximum number of positions, times the number of products.
+const MAX_PROGRESS: usize = 4_000_000;
 
 /// Plans the products one after the other: in the order of the demands, or else in the reverse
 /// order. Returns nothing if this is not possible, or not within the limit of nodes.
@@ -87,9 +89,14 @@ fn in_order(
         progress: begin(0)?,
         configuration: start.clone(),
     }];
+    let mut numbers: FxHashMap<Place, usize> = FxHashMap::from_iter([(open[0].clone(), 0)]);
+    let mut turn_of = vec![0; turns.len()];
+    for (turn, product) in turns.iter().enumerate() {
+        turn_of[*product] = turn;
+    }
     let mut positions: Vec<PlanPosition> = Vec::new();
     while let Some(place) = open.get(positions.len()).cloned() {
-        if open.len() > MAX_POSITIONS {
+        if open.len().saturating_mul(turns.len()) > MAX_PROGRESS {
             return None;
         }
         let search = &mut searches[group_of[place.turn]];
@@ -114,7 +121,7 @@ fn in_order(
                 progress,
                 configuration,
             };
-            let position = open.iter().position(|p| *p == next).unwrap_or_else(|| {
+            let position = *numbers.entry(next.clone()).or_insert_with(|| {
                 open.push(next);
                 open.len() - 1
             });
@@ -126,13 +133,10 @@ fn in_order(
         };
         let schedule = schedule(search, &root, &solved, &[product], (0, &mut 0), &mut leaf);
         let (resource_states, parts) = describe(shop, &place.configuration, &[product]);
-        let progress = (0..turns.len()).map(|product| {
-            let turn = turns.iter().position(|t| *t == product).unwrap_or(0);
-            match turn.cmp(&place.turn) {
-                std::cmp::Ordering::Less => Progress::Ended,
-                std::cmp::Ordering::Equal => place.progress,
-                std::cmp::Ordering::Greater => begin(turn).unwrap_or(Progress::At(0)),
-            }
+        let progress = turn_of.iter().map(|turn| match turn.cmp(&place.turn) {
+            Ordering::Less => Progress::Ended,
+            Ordering::Equal => place.progress,
+            Ordering::Greater => begin(*turn).unwrap_or(Progress::At(0)),
         });
         positions.push(PlanPosition {
             progress: progress.collect(),

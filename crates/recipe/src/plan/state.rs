@@ -53,6 +53,13 @@ pub(super) enum Settled {
     Dead,
 }
 
+impl State {
+    /// Sets the progress of a slot.
+    pub fn set(&mut self, slot: usize, progress: [u16; 2]) {
+        self.words[2 * slot..][..2].copy_from_slice(&progress);
+    }
+}
+
 impl Shop<'_> {
     /// Returns the number of words before the parts.
     pub fn head(&self) -> usize {
@@ -188,12 +195,12 @@ impl Shop<'_> {
                     }
                     if work.closes_loop {
                         if cell.recipe_states[work.to as usize].tests.is_empty() {
-                            self.set(state, slot, [work.to, PLACE]);
+                            state.set(slot, [work.to, PLACE]);
                             return Settled::Loop;
                         }
                         break;
                     }
-                    self.set(state, slot, [work.to, PLACE]);
+                    state.set(slot, [work.to, PLACE]);
                     continue;
                 }
                 let about = &cell.recipe_states[first as usize];
@@ -201,9 +208,9 @@ impl Shop<'_> {
                     if !self.end(state, slot) {
                         return Settled::Dead;
                     }
-                    self.set(state, slot, [0, ENDED]);
+                    state.set(slot, [0, ENDED]);
                 } else if about.leaving.len() == 1 && about.tests.is_empty() {
-                    self.set(state, slot, [about.leaving[0], 0]);
+                    state.set(slot, [about.leaving[0], 0]);
                 } else {
                     break;
                 }
@@ -214,11 +221,6 @@ impl Shop<'_> {
         } else {
             Settled::Open
         }
-    }
-
-    /// Sets the progress of a slot.
-    pub fn set(&self, state: &mut State, slot: usize, progress: [u16; 2]) {
-        state.words[2 * slot..][..2].copy_from_slice(&progress);
     }
 
     /// Renames the parts of a finished product. Returns whether all of them may remain.

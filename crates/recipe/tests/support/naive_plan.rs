@@ -46,11 +46,15 @@ pub fn separate(layout: &Layout, demands: &[Demand]) -> Products {
         recipe.leftover.extend(left);
         for transition in &mut recipe.transitions {
             if let linewright_recipe::model::Guard::Test { inputs, .. } = &mut transition.guard {
-                inputs.iter_mut().for_each(|i| *i = own(i, product));
+                for input in inputs {
+                    *input = own(input, product);
+                }
             }
             for call in transition.steps.iter_mut().flat_map(|s| &mut s.operations) {
                 let names = call.inputs.iter_mut().chain(&mut call.outputs);
-                names.for_each(|n| *n = own(n, product));
+                for name in names {
+                    *name = own(name, product);
+                }
             }
         }
         recipe

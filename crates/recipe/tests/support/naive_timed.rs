@@ -104,6 +104,13 @@ pub fn least(layout: &Layout, demands: &[Demand], objective: Objective, max_node
     }
 }
 
+fn leaving(recipe: &Recipe, state: &str) -> Vec<usize> {
+    let all = recipe.transitions.iter().enumerate();
+    all.filter(|(_, t)| t.from == state)
+        .map(|(n, _)| n)
+        .collect()
+}
+
 struct Naive<'a> {
     products: &'a Products,
     objective: Objective,
@@ -115,7 +122,7 @@ impl Naive<'_> {
         let at = self.at;
         if let Some((product, state)) = self.asked() {
             let recipe = &self.products.recipes[product];
-            let children = self.leaving(recipe, &state);
+            let children = leaving(recipe, &state);
             let children = children
                 .iter()
                 .map(|n| know(self.with(product, Status::Task(*n, 0))));
@@ -150,8 +157,7 @@ impl Naive<'_> {
                     return Next::One(vec![(know(after), 0)]);
                 }
                 Status::At(state) => {
-                    let leaving = self.leaving(recipe, state);
-                    if let [only] = leaving[..] {
+                    if let [only] = leaving(recipe, state)[..] {
                         let after = self.with(product, Status::Task(only, 0));
                         return Next::One(vec![(know(after), 0)]);
                     }
@@ -211,13 +217,6 @@ impl Naive<'_> {
         after
     }
 
-    fn leaving(&self, recipe: &Recipe, state: &str) -> Vec<usize> {
-        let all = recipe.transitions.iter().enumerate();
-        all.filter(|(_, t)| t.from == state)
-            .map(|(n, _)| n)
-            .collect()
-    }
-
     fn remains(&self, recipe: &Recipe) -> bool {
         let forbidden = |part: &String| {
             let own = recipe.parts.iter().find(|p| p.name == *part);
@@ -246,7 +245,7 @@ impl Naive<'_> {
 
     fn testable(&self, recipe: &Recipe, state: &str) -> bool {
         let at = self.at;
-        self.leaving(recipe, state)
+        leaving(recipe, state)
             .iter()
             .all(|n| match &recipe.transitions[*n].guard {
                 Guard::Test {

@@ -69,7 +69,7 @@ impl Search<'_> {
         for after in ways {
             if closes_loop {
                 let mut state = state.clone();
-                self.shop.set(&mut state, slot, [place, PLACE]);
+                state.set(slot, [place, PLACE]);
                 self.finish(segment, state, None, node, cost, Stop::Loop(Some(slot)))?;
                 continue;
             }

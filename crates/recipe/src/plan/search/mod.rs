@@ -243,7 +243,7 @@ impl<'s> Search<'s> {
         if let Some(slot) = waits
             && let Some(place) = self.shop.pending(&state.words, slot)
         {
-            self.shop.set(state, slot, [place, PLACE]);
+            state.set(slot, [place, PLACE]);
         }
     }
 
@@ -279,7 +279,7 @@ impl<'s> Search<'s> {
                 zone: zone.clone(),
                 origin: (0..self.shop.slots.len() as u16).collect(),
             };
-            self.shop.set(&mut root, test.slot, [*transition, 0]);
+            root.set(test.slot, [*transition, 0]);
             self.shop.sort(&mut root);
             (*transition as usize, root)
         };
