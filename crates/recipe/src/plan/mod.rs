@@ -73,7 +73,7 @@ use crate::replay_plan;
 use search::{NONE, Search};
 use shop::{Shop, initial, products};
 
-/// Maximum duration of a transition in s; a thousand times this is the maximum energy in J.
+/// Maximum duration of a transition in s, and maximum energy in kJ.
 const MAX_SECONDS: usize = 10_000_000;
 /// Maximum number of products that the search over all plans looks at.
 const MAX_TOGETHER: usize = 64;
@@ -169,9 +169,9 @@ fn large_quantities(layout: &Layout) -> Option<Problem> {
     });
     sizes.find_map(|(seconds, joules)| {
         let what = if seconds > MAX_SECONDS as f64 {
-            "seconds of a transition, in units of 1"
+            "seconds in a transition"
         } else if joules > MAX_SECONDS as f64 * 1e3 {
-            "joules of a transition, in units of 1,000"
+            "kilojoules in a transition"
         } else {
             return None;
         };
