@@ -202,16 +202,13 @@ impl<'m> Subject<'m> {
         part: &str,
         (from, to): (&[usize], &[usize]),
     ) -> Diagnostic {
-        let (place, purpose) = match step {
-            Some(step) => {
-                let (called, place) = self.input(transition, step, part);
-                (place, format!("`{}`", called.name))
-            }
-            None => {
-                let places = &self.recipe.transitions[transition];
-                let place = places.guard.unwrap_or(places.span);
-                (place, "the test".to_owned())
-            }
+        let (place, purpose) = if let Some(step) = step {
+            let (called, place) = self.input(transition, step, part);
+            (place, format!("`{}`", called.name))
+        } else {
+            let places = &self.recipe.transitions[transition];
+            let place = places.guard.unwrap_or(places.span);
+            (place, "the test".to_owned())
         };
         let (message, help) = match (from, to) {
             ([one], [other]) if one == other => (

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+#[path = "../../../../tests/support/external.rs"]
+pub mod external;
 pub mod floor;
 pub mod jobs;
 pub mod mutants;
@@ -11,5 +13,3 @@ pub mod naive_timed;
 pub mod pad;
 pub mod plan_mutants;
 pub mod random;
-#[path = "../../../../tests/support/external.rs"]
-pub mod external;
