@@ -136,6 +136,11 @@ pub fn schema(command: &str) -> String {
     format!("linewright/{command}/1")
 }
 
+/// A count of something: `1 step`, or `21 steps`.
+pub fn count(number: usize, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Converts the result of a write: false if the reader has closed the output.
 fn still_open(result: io::Result<()>) -> io::Result<bool> {
     match result {

@@ -2,6 +2,7 @@
 
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::engine::files::LoadedFiles;
+use crate::engine::pipeline::Verdict;
 
 /// Exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -85,6 +86,17 @@ impl ExitCode {
             Self::GaveUp
         } else {
             Self::Findings
+        }
+    }
+}
+
+impl From<Verdict> for ExitCode {
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Realizable => Self::Success,
+            Verdict::Unrealizable | Verdict::Invalid => Self::Findings,
+            Verdict::GaveUp => Self::GaveUp,
+            Verdict::InternalError => Self::Internal,
         }
     }
 }

@@ -268,27 +268,12 @@ fn check(
         document.summary.findings += found.len();
         findings.extend(found);
     }
-    let verdicts = document
-        .contracts
-        .iter()
-        .map(|c| match c.verdict {
-            Verdict::Unrealizable | Verdict::Invalid => ExitCode::Findings,
-            Verdict::GaveUp => ExitCode::GaveUp,
-            Verdict::InternalError => ExitCode::Internal,
-            Verdict::Realizable => ExitCode::Success,
-        })
-        .fold(ExitCode::Success, ExitCode::and);
-    let verdicts = document
-        .realizations
-        .iter()
-        .map(|r| match r.verdict {
-            Verdict::GaveUp => ExitCode::GaveUp,
-            Verdict::InternalError => ExitCode::Internal,
-            Verdict::Unrealizable | Verdict::Invalid => ExitCode::Findings,
-            Verdict::Realizable => ExitCode::Success,
-        })
-        .fold(verdicts, ExitCode::and);
-    let code = options.exit_code(&findings).and(verdicts);
+    let contracts = document.contracts.iter().map(|c| c.verdict);
+    let realizations = document.realizations.iter().map(|r| r.verdict);
+    let code = contracts
+        .chain(realizations)
+        .map(ExitCode::from)
+        .fold(options.exit_code(&findings), ExitCode::and);
     Ok(CheckResult {
         page,
         code: code.and(ExitCode::of_loading(&loaded)),

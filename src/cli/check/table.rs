@@ -1,6 +1,7 @@
 //! Formats the result of `check` as text: one line per declaration, and a summary.
 
 use super::document::{Document, LineEntry, SkillsVerdict, Summary, Validity};
+use crate::cli::console::count;
 use crate::diagnostics::json::Finding;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::RefinementVerdict;
@@ -463,10 +464,6 @@ fn discharged(discharges: &[DischargeEntry]) -> String {
         .iter()
         .map(|d| format!("  {:first$}  {:second$}  {}\n", name(d), how(d), d.by));
     lines.collect()
-}
-
-pub(super) fn count(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// The number of contracts by verdict, in words; empty if there are none.

@@ -200,7 +200,6 @@ fn steps(layout: &Layout, recipe: &Recipe, limits: SearchLimits) -> Steps {
 
 fn change(first: Steps, second: Steps) -> RecipeChange {
     match (first, second) {
-        (Steps::Unknown, _) | (_, Steps::Unknown) => RecipeChange::NotDecided,
         (Steps::None, Steps::None) => RecipeChange::Neither,
         (Steps::None, Steps::Number(..)) => RecipeChange::Gained,
         (Steps::Number(..), Steps::None) => RecipeChange::Lost,
@@ -209,7 +208,7 @@ fn change(first: Steps, second: Steps) -> RecipeChange {
             std::cmp::Ordering::Equal => RecipeChange::Same,
             std::cmp::Ordering::Greater => RecipeChange::Longer,
         },
-        (Steps::Number(..), Steps::Number(..)) => RecipeChange::NotDecided,
+        _ => RecipeChange::NotDecided,
     }
 }
 

@@ -10,7 +10,6 @@ use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::schema::{Described, form};
-use crate::engine::pipeline::Verdict;
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
@@ -67,19 +66,4 @@ fn print_result(
     } else {
         console.result(&text())
     }
-}
-
-/// The exit code for a verdict.
-fn code_of(verdict: Verdict) -> ExitCode {
-    match verdict {
-        Verdict::Realizable => ExitCode::Success,
-        Verdict::Unrealizable | Verdict::Invalid => ExitCode::Findings,
-        Verdict::GaveUp => ExitCode::GaveUp,
-        Verdict::InternalError => ExitCode::Internal,
-    }
-}
-
-/// `1 step`, or `21 steps`.
-fn count(number: usize, what: &str) -> String {
-    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
 }

@@ -1,7 +1,7 @@
 //! `linewright recipe plan`: how the resources of a layout make a recipe.
 
-use super::{code_of, count, print_result, subject};
-use crate::cli::console::{Failed, schema};
+use super::{print_result, subject};
+use crate::cli::console::{Failed, count, schema};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::cli::schema::{Described, form};
@@ -175,7 +175,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         },
         options,
     )?;
-    let verdicts = decided.iter().map(|(_, d)| code_of(d.verdict));
+    let verdicts = decided.iter().map(|(_, d)| ExitCode::from(d.verdict));
     Ok(verdicts.fold(options.exit_code(&findings), ExitCode::and))
 }
 

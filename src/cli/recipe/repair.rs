@@ -1,7 +1,7 @@
 //! `linewright recipe repair`: the smallest changes of a layout that make a recipe possible.
 
-use super::{count, print_result, subject};
-use crate::cli::console::{Failed, schema};
+use super::{print_result, subject};
+use crate::cli::console::{Failed, count, schema};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::cli::schema::{Described, form};
