@@ -138,10 +138,11 @@ fn perform(
             .find_map(|all| reach(search, &state, slot, all))?;
         for happening in part {
             state = shop.apply(&state, &happening)?;
-            if shop.advance(&mut state) == Settled::Dead {
-                return None;
+            match shop.advance(&mut state) {
+                Settled::Dead => return None,
+                Settled::Open => shop.sort(&mut state),
+                Settled::Ended | Settled::Loop => {}
             }
-            shop.sort(&mut state);
             way.push(happening);
         }
     }
@@ -157,17 +158,12 @@ fn perform(
 /// `all`, only the parts that it needs and those at resources that can perform it are moved.
 fn reach(search: &mut Search<'_>, start: &State, slot: usize, all: bool) -> Option<Vec<Happening>> {
     let shop = search.shop;
-    let (work, step) = (start.words[2 * slot], start.words[2 * slot + 1]);
-    let calls = &shop.cell(slot).works[work as usize].steps[step as usize];
-    let mut needed: Vec<u16> = Vec::new();
-    let mut able: Vec<u16> = Vec::new();
-    for call in calls {
-        needed.extend(shop.resolve(slot, &call.inputs, shop.held(&start.words)));
-        able.extend(call.performers.iter().map(|p| p.1.resource));
-    }
+    let product = start.origin[slot];
+    // Equal products are sorted after each happening, so the product's slot changes.
+    let slot_in = |state: &State| state.origin.iter().position(|o| *o == product);
     // States with their parent, what has led to them, and whether the step has been performed.
     let mut nodes: Vec<(State, usize, Option<Happening>, bool)> = Vec::new();
-    let mut seen: FxHashMap<Vec<u16>, Vec<usize>> = FxHashMap::default();
+    let mut seen: FxHashMap<(usize, Vec<u16>), Vec<usize>> = FxHashMap::default();
     let mut queue = BinaryHeap::new();
     let bound = search.bounds.step_end(shop, start, slot);
     nodes.push((start.clone(), 0, None, false));
@@ -183,6 +179,8 @@ fn reach(search: &mut Search<'_>, start: &State, slot: usize, all: bool) -> Opti
             way.reverse();
             return Some(way);
         }
+        let slot = slot_in(&state)?;
+        let (needed, able) = wanted(shop, &state, slot);
         for happening in shop.happenings(&state.words) {
             let (is_wanted, is_step) = match &happening {
                 Happening::Step { slot: s, .. } => (*s as usize == slot, *s as usize == slot),
@@ -195,15 +193,18 @@ fn reach(search: &mut Search<'_>, start: &State, slot: usize, all: bool) -> Opti
             if !is_wanted || nodes.len() >= MAX_STATES {
                 continue;
             }
-            let Some(next) = shop.apply(&state, &happening) else {
+            let Some(mut next) = shop.apply(&state, &happening) else {
                 continue;
             };
             let bound = if is_step {
                 next.zone.low[shop.ready_variable(slot) as usize]
             } else {
+                shop.sort(&mut next);
+                let slot = slot_in(&next)?;
                 search.bounds.step_end(shop, &next, slot).max(bound)
             };
-            let known = seen.entry(next.words.clone()).or_default();
+            let key = (slot_in(&next)?, next.words.clone());
+            let known = seen.entry(key).or_default();
             let includes = |n: &usize| nodes[*n].0.zone.includes(&next.zone);
             if bound == NONE || is_never(bound) || known.iter().any(includes) {
                 continue;
@@ -215,4 +216,18 @@ fn reach(search: &mut Search<'_>, start: &State, slot: usize, all: bool) -> Opti
         }
     }
     None
+}
+
+/// Returns the parts that a slot's next step needs, and the resources that can perform one of its
+/// operations.
+fn wanted(shop: &Shop<'_>, state: &State, slot: usize) -> (Vec<u16>, Vec<u16>) {
+    let (work, step) = (state.words[2 * slot], state.words[2 * slot + 1]);
+    let calls = &shop.cell(slot).works[work as usize].steps[step as usize];
+    let needed = calls
+        .iter()
+        .flat_map(|call| shop.resolve(slot, &call.inputs, shop.held(&state.words)));
+    let able = calls
+        .iter()
+        .flat_map(|call| call.performers.iter().map(|p| p.1.resource));
+    (needed.collect(), able.collect())
 }
