@@ -13,6 +13,7 @@
 //! - [`plan`] plans several products at once, with least steps, time, energy or transfers.
 //! - [`jobshop`] finds schedules of least makespan where buffers are ample.
 //! - [`repair`] finds the smallest changes of a layout that make a recipe realizable.
+//! - [`run`] carries a plan out, with the durations and outcomes of tests that occur.
 //! - [`replay`] and [`replay_plan`] verify controllers and plans with code of their own.
 //!
 //! In each *vector*, a resource takes one transition or waits where its state permits. A transfer
@@ -29,4 +30,5 @@ pub mod realize;
 pub mod repair;
 pub mod replay;
 pub mod replay_plan;
+pub mod run;
 pub mod topology;

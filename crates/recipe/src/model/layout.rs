@@ -125,6 +125,18 @@ impl Resource {
     }
 }
 
+impl Transition {
+    /// Returns the duration in ns, rounded; 0 if none is given.
+    pub fn nanoseconds(&self) -> i64 {
+        (self.seconds.unwrap_or(0.0) * 1e9).round() as i64
+    }
+
+    /// Returns the electrical energy in µJ, rounded; 0 if no duration or no power is given.
+    pub fn microjoules(&self) -> i64 {
+        (self.seconds.unwrap_or(0.0) * self.watts.unwrap_or(0.0) * 1e6).round() as i64
+    }
+}
+
 impl Action {
     /// Returns the label of a transfer.
     pub fn label(&self) -> Option<&str> {

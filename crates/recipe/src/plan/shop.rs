@@ -5,11 +5,6 @@ use crate::model::{Action, Demand, Layout};
 use crate::realize::cell::Cell;
 use std::collections::BTreeSet;
 
-/// Nanoseconds in a second.
-pub(super) const NANOSECONDS: f64 = 1e9;
-/// Microjoules in a joule.
-pub(super) const MICROJOULES: f64 = 1e6;
-
 /// What a part is.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Kind {
@@ -151,10 +146,9 @@ impl<'a> Shop<'a> {
                 .map(|r| r.transitions.iter().map(of).collect())
                 .collect()
         };
-        let seconds = |t: &crate::model::Transition| t.seconds.unwrap_or(0.0);
         let ticks = transitions(&|t| match execution {
             Execution::Lockstep => 1,
-            Execution::Timed => (seconds(t) * NANOSECONDS).round() as i64,
+            Execution::Timed => t.nanoseconds(),
         });
         let lead = (layout.resources.iter().zip(&ticks)).map(|(resource, ticks)| {
             let of_state = |state: &crate::model::State| {
@@ -188,9 +182,7 @@ impl<'a> Shop<'a> {
             ticks,
             lead,
             is_ordered,
-            energy: transitions(&|t| {
-                (seconds(t) * t.watts.unwrap_or(0.0) * MICROJOULES).round() as i64
-            }),
+            energy: transitions(&crate::model::Transition::microjoules),
             labels: cells.first().map_or(0, |c| c.receivers.len()),
             cells,
             slots,

@@ -72,9 +72,6 @@ fn cost(layout: &Layout, objective: Objective, entry: &Entry) -> i64 {
     match objective {
         Objective::Steps | Objective::Time => 0,
         Objective::Transfers => i64::from(matches!(transition.action, Action::Out(_))),
-        Objective::Energy => {
-            let joules = transition.seconds.unwrap_or(0.0) * transition.watts.unwrap_or(0.0);
-            (joules * super::shop::MICROJOULES).round() as i64
-        }
+        Objective::Energy => transition.microjoules(),
     }
 }
