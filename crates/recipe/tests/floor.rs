@@ -113,6 +113,7 @@ fn twenty_products_on_ten_resources() {
     // With five resources, the steps in parallel are not possible.
     let limits = PlanLimits {
         nodes: 3_000,
+        together: 3_000,
         ..limits
     };
     let outcome = plan(&pad::five(), &demands, Objective::Steps, limits);
@@ -192,6 +193,7 @@ fn the_hinge_is_planned_with_each_objective() {
     };
     let time = found(Objective::Time);
     assert_eq!(time.value, 81 * SECOND);
+    assert_critical(&time);
     assert!(time.lower_bound > 70 * SECOND && !time.is_least());
     // 45 s of operations and seven ways of 6 s, all with 100 W.
     let energy = found(Objective::Energy);
@@ -237,6 +239,7 @@ fn times() {
             let limits = PlanLimits {
                 first,
                 nodes: 20_000,
+                together: 20_000,
                 job_shop: jobshop::Limits::default(),
             };
             let start = clock();

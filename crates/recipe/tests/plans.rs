@@ -22,6 +22,7 @@ fn scale() -> u64 {
 fn limits(nodes: usize) -> PlanLimits {
     PlanLimits {
         nodes,
+        together: nodes,
         ..PlanLimits::default()
     }
 }

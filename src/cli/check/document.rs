@@ -253,15 +253,19 @@ pub(super) struct RealizationEntry {
     /// The file with the statement.
     pub(super) file: String,
     /// Whether the products can be made, whatever the outcomes of the tests. `realizable` only if
-    /// the replay of the controller has confirmed it.
+    /// the replay of the controller or plan has confirmed it.
     pub(super) verdict: Verdict,
     /// If realizable: the number of vectors (steps that resources take together) until an end of
-    /// the recipe or of its loop, in the worst case over the outcomes of the tests.
+    /// the recipe or of its loop, in the worst case over the outcomes of the tests. Several products
+    /// are made one after the other if that is possible.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) worst_case: Option<u32>,
-    /// If realizable: whether no controller needs fewer vectors.
+    pub(super) worst_case: Option<u64>,
+    /// If realizable: whether it is proved that fewer vectors do not suffice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) is_least: Option<bool>,
+    /// If fewer vectors could suffice for several products: a lower bound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lower_bound: Option<u64>,
     /// Why it cannot be made, or was not decided.
     pub(super) findings: Vec<json::Finding>,
 }

@@ -27,9 +27,15 @@ pub(super) fn rows(document: &Document) -> Vec<Row<'_>> {
         kind: "realize",
         mark: entry.verdict.into(),
         verdict: in_words(entry.verdict),
-        details: match entry.worst_case {
-            Some(steps) => format!("{} in the worst case", count(steps as usize, "step")),
-            None => String::new(),
+        details: match (entry.worst_case, entry.lower_bound) {
+            (Some(steps), None) => {
+                format!("{} in the worst case", count(steps as usize, "step"))
+            }
+            (Some(steps), Some(bound)) => format!(
+                "{} in the worst case, by the first plan that was found; at least {bound}",
+                count(steps as usize, "step")
+            ),
+            (None, _) => String::new(),
         },
         file: &entry.file,
         findings: &entry.findings,

@@ -6,7 +6,7 @@ use super::view::FileView;
 use crate::cli::outline::Declaration;
 use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::engine::pipeline::Verdict;
-use crate::engine::recipes;
+use crate::engine::recipes::{self, Solution};
 
 impl Assembly<'_> {
     pub(super) fn layout(
@@ -60,12 +60,12 @@ impl Assembly<'_> {
         let realization = (library.realizations.iter())
             .find(|r| declaration.holds(r.span))
             .filter(|_| !file.broken && !has_errors(findings));
-        let limits = recipes::limits(self.prover.limits().budget_factor);
-        let decision = realization.map(|r| recipes::decide(library, r, limits));
-        let (verdict, controller) = match decision {
+        let factor = self.prover.limits().budget_factor;
+        let decision = realization.map(|r| recipes::decide(library, r, factor));
+        let (verdict, solution) = match decision {
             Some(mut decision) => {
                 findings.append(&mut decision.findings);
-                (decision.verdict, decision.controller)
+                (decision.verdict, decision.solution)
             }
             None => (Verdict::Invalid, None),
         };
@@ -73,11 +73,18 @@ impl Assembly<'_> {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
             verdict,
-            worst_case: controller.as_ref().map(|c| c.worst_case),
-            is_least: controller.as_ref().map(|c| c.is_least),
+            worst_case: solution.as_ref().map(Solution::value),
+            is_least: solution.as_ref().map(Solution::is_least),
+            lower_bound: solution.as_ref().and_then(lower_bound),
             findings: json::findings(&library.sources, findings),
         }
     }
+}
+
+/// The least number of steps that is not excluded, of a plan that may not be the best.
+fn lower_bound(solution: &Solution) -> Option<u64> {
+    let plan = solution.plan().filter(|plan| !plan.is_least())?;
+    u64::try_from(plan.lower_bound).ok()
 }
 
 fn validity(is_usable: bool) -> Validity {

@@ -182,9 +182,9 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         let mut cells = vec![String::new(); COLUMNS];
         cells[0] = format!("realize {}", r.name);
         cells[3] = in_words(r.verdict);
-        cells[4] = r
-            .worst_case
-            .map(|n| count(n as usize, "step"))
+        let bound = r.lower_bound.map(|least| format!(", at least {least}"));
+        cells[4] = (r.worst_case)
+            .map(|n| count(n as usize, "step") + &bound.unwrap_or_default())
             .unwrap_or_default();
         cells[6] = file(&r.file);
         rows.push(Row {

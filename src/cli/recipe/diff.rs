@@ -137,7 +137,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     let first = layout(&loaded, &arguments.first, &arguments.file)?;
     let second = layout(&loaded, &arguments.second, &arguments.file)?;
-    let limits = recipes::limits(options.effort);
+    let limits = recipes::search_limits(options.effort);
     let mut entries = Vec::new();
     for recipe in &loaded.library.recipes {
         let on_first = steps(first, recipe, limits);

@@ -3,6 +3,7 @@
 mod diff;
 mod plan;
 mod repair;
+mod schedule;
 mod subject;
 mod topology;
 

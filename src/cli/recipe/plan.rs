@@ -1,5 +1,6 @@
 //! `linewright recipe plan`: how the resources of a layout make a recipe.
 
+use super::schedule::{self, ProductsPlan, View};
 use super::{print_result, subject};
 use crate::cli::console::{Failed, count, schema};
 use crate::cli::exit::ExitCode;
@@ -9,15 +10,19 @@ use crate::cli::select::Selection;
 use crate::contract::recipe::Realization;
 use crate::contract::set::Setting;
 use crate::diagnostics::{Diagnostic, json};
+use crate::drawing::gantt;
 use crate::engine::files::LoadedFiles;
+use crate::engine::output;
 use crate::engine::pipeline::Verdict;
-use crate::engine::recipes::{self, Decision, words};
+use crate::engine::recipes::{self, Aim, Decision, Solution, words};
 use crate::recipe::controller::{Controller, Leg, Move, Position, Subject, Vector};
-use crate::recipe::model::{Layout, Recipe};
+use crate::recipe::model::{Layout, Recipe, Resource};
+use crate::recipe::plan::{Objective, Plan};
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 /// The arguments of `recipe plan`.
 #[derive(Debug, Args)]
@@ -25,11 +30,18 @@ use std::fmt::Write as _;
     linewright recipe plan examples/pad/hinge.lw
     linewright recipe plan examples/pad/six.lw::Six --format json
     linewright recipe plan examples/pad/hinge.lw --set r3.holds=3
+    linewright recipe plan examples/pad/times.lw --least time --gantt hinge.svg
 
-A plan has a list of steps for each transition of the recipe. In a step, each resource takes one \
-transition or waits: `r3: glue(p)(p)` is an operation, and `r3 => r5: p` a part that r5 takes from \
-r3. The plan holds whatever the outcomes of the tests, and a replay has verified it. A number in \
-the layout has a name such as r3.holds, r3.glue.time or r5.r1.r2.time.")]
+A plan of one product with least steps has a list of steps for each transition of the recipe. In a \
+step, each resource takes one transition or waits: `r3: glue(p)(p)` is an operation, and \
+`r3 => r5: p` a part that r5 takes from r3. Other plans are tables of what begins and ends when, \
+with a part for each outcome of a test. The plan holds whatever the outcomes of the tests, and a \
+replay has verified it. A number in the layout has a name such as r3.holds, r3.glue.time or \
+r5.r1.r2.time.
+
+Of a plan that is not proved the least possible, a lower bound says how far it can be from that: \
+--effort 10 lets the search for a better one look at ten times as many plans. The exit code is 1 \
+if the products cannot be made, and 3 if this was not decided.")]
 pub struct Arguments {
     /// The file, and a recipe or layout of its statements `realize` [default: all statements]
     #[arg(value_name = "FILE[::NAME]")]
@@ -37,6 +49,9 @@ pub struct Arguments {
     /// What the plan has least of, in the worst case over the outcomes of the tests
     #[arg(long, value_enum, default_value = "steps", value_name = "WHAT")]
     pub least: Least,
+    /// Draw the plan as Gantt charts, one for each way through its tests (SVG; not with least steps)
+    #[arg(long, value_name = "FILE")]
+    pub gantt: Option<PathBuf>,
     /// Set a number of the layout for this plan (repeatable)
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub settings: Vec<Setting>,
@@ -48,6 +63,23 @@ pub struct Arguments {
 pub enum Least {
     /// Steps that resources take together.
     Steps,
+    /// Time until all is done.
+    Time,
+    /// Electrical energy of all transitions.
+    Energy,
+    /// Transfers of a part from one resource to another.
+    Transfers,
+}
+
+impl From<Least> for Objective {
+    fn from(least: Least) -> Self {
+        match least {
+            Least::Steps => Self::Steps,
+            Least::Time => Self::Time,
+            Least::Energy => Self::Energy,
+            Least::Transfers => Self::Transfers,
+        }
+    }
 }
 
 /// Describes the JSON document that the command prints.
@@ -76,9 +108,12 @@ struct PlanEntry {
     file: String,
     /// Whether the products can be made, whatever the outcomes of the tests.
     verdict: Verdict,
-    /// If realizable: the plan.
+    /// If realizable, for one product with least steps: the plan.
     #[serde(skip_serializing_if = "Option::is_none")]
     plan: Option<RecipePlan>,
+    /// If realizable, for several products, or with least time, energy or transfers: the plan.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    schedule: Option<ProductsPlan>,
     /// Why it cannot be made, or was not decided.
     findings: Vec<json::Finding>,
 }
@@ -124,9 +159,9 @@ struct LegEntry {
     to: usize,
 }
 
-/// What one resource does in a vector.
+/// What one resource does.
 #[derive(JsonSchema, Serialize)]
-struct MoveEntry {
+pub(super) struct MoveEntry {
     /// The resource.
     resource: String,
     /// The state that it leaves.
@@ -143,18 +178,51 @@ struct MoveEntry {
     part: Option<String>,
 }
 
+impl MoveEntry {
+    /// Describes a transition of a resource, with its operation of a recipe or its part.
+    pub(super) fn new(
+        resource: &Resource,
+        transition: usize,
+        operation: Option<String>,
+        part: Option<String>,
+    ) -> Self {
+        let taken = &resource.transitions[transition];
+        Self {
+            resource: resource.name.clone(),
+            from: taken.from.clone(),
+            action: words::action(&taken.action),
+            to: taken.to.clone(),
+            operation,
+            part,
+        }
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let selection = &arguments.selection;
+    anyhow::ensure!(
+        arguments.gantt.is_none() || arguments.least != Least::Steps,
+        "--gantt shows times, and steps have none: add `--least time`, `energy` or `transfers`"
+    );
     let loaded = subject::load(selection, &arguments.settings, DOCUMENT.name, options)?;
     let loaded = match loaded {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
     };
-    let limits = recipes::limits(options.effort);
-    let decided: Vec<(&Realization, Decision)> = (subject::realizations(selection, &loaded)?)
+    let selected = subject::realizations(selection, &loaded)?;
+    anyhow::ensure!(
+        arguments.gantt.is_none() || selected.len() == 1,
+        "--gantt draws one plan, but {} statements are selected: write FILE::NAME",
+        selected.len()
+    );
+    let aim = Aim {
+        objective: arguments.least.into(),
+        factor: options.effort,
+    };
+    let decided: Vec<(&Realization, Decision)> = selected
         .into_iter()
-        .map(|r| (r, recipes::decide(&loaded.library, r, limits)))
+        .map(|r| (r, recipes::plan(&loaded.library, r, aim)))
         .collect();
     let findings: Vec<Diagnostic> = (decided.iter())
         .flat_map(|(_, d)| d.findings.iter().cloned())
@@ -175,25 +243,78 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         },
         options,
     )?;
+    if let (Some(path), [(realization, decision)]) = (&arguments.gantt, decided.as_slice())
+        && let Some(view) = view(&loaded, realization, decision)
+        && let Some(failed) = draw(path, realization, &view, &loaded, options)?
+    {
+        return Ok(failed);
+    }
     let verdicts = decided.iter().map(|(_, d)| ExitCode::from(d.verdict));
     Ok(verdicts.fold(options.exit_code(&findings), ExitCode::and))
 }
 
+/// Returns the plan of a statement with its models, if it has one with a schedule.
+fn view<'l>(
+    loaded: &'l LoadedFiles,
+    realization: &Realization,
+    decision: &'l Decision,
+) -> Option<View<'l>> {
+    let plan: &Plan = decision.solution.as_ref()?.plan()?;
+    let (layout, _) = subject::models(loaded, realization);
+    let recipes = subject::recipes(loaded, realization);
+    let recipes = recipes.into_iter().map(|r| &r.model).collect();
+    Some(View::new(plan, &layout?.model, recipes))
+}
+
+/// Writes the Gantt charts of a plan; if this fails, says why and returns the exit code.
+fn draw(
+    path: &Path,
+    realization: &Realization,
+    view: &View<'_>,
+    loaded: &LoadedFiles,
+    options: &GlobalOptions,
+) -> anyhow::Result<Option<ExitCode>> {
+    let title = words::title(realization);
+    let (charts, left_out) = schedule::chart(&title, view);
+    let console = options.console();
+    if let Err(finding) = output::write(path, &gantt::render(&title, &charts), &loaded.places) {
+        console.findings(&loaded.library.sources, std::slice::from_ref(&*finding))?;
+        return Ok(Some(options.exit_code(&[*finding])));
+    }
+    console.remark(&format!("wrote {}\n", path.display()))?;
+    if left_out > 0 {
+        let number = charts.charts.len();
+        console.remark(&format!(
+            "it shows the first {number} charts of {}\n",
+            number + left_out
+        ))?;
+    }
+    Ok(None)
+}
+
 fn entry(loaded: &LoadedFiles, realization: &Realization, decision: &Decision) -> PlanEntry {
     let sources = &loaded.library.sources;
-    let plan = match (subject::models(loaded, realization), &decision.controller) {
-        ((Some(layout), Some(recipe)), Some(controller)) => {
-            Some(plan(&layout.model, &recipe.model, controller))
-        }
-        _ => None,
-    };
     PlanEntry {
         name: words::title(realization),
         file: sources.file(realization.span.file).name.clone(),
         verdict: decision.verdict,
-        plan,
+        plan: controlled(loaded, realization, decision).map(|(l, r, c)| plan(l, r, c)),
+        schedule: view(loaded, realization, decision).map(|view| ProductsPlan::new(&view)),
         findings: json::findings(sources, &decision.findings),
     }
+}
+
+/// Returns the controller of a statement with its models, if it has one.
+fn controlled<'l>(
+    loaded: &'l LoadedFiles,
+    realization: &Realization,
+    decision: &'l Decision,
+) -> Option<(&'l Layout, &'l Recipe, &'l Controller)> {
+    let Some(Solution::Controller(controller)) = &decision.solution else {
+        return None;
+    };
+    let (layout, recipe) = subject::models(loaded, realization);
+    Some((&layout?.model, &recipe?.model, controller))
 }
 
 fn plan(layout: &Layout, recipe: &Recipe, controller: &Controller) -> RecipePlan {
@@ -235,22 +356,15 @@ fn vectors(layout: &Layout, recipe: &Recipe, leg: &Leg) -> Vec<Vec<MoveEntry>> {
         let calls = (recipe.transitions[leg.transition].steps.get(step))
             .map_or(&[][..], |s| s.operations.as_slice());
         let shown = |m: &Move| {
-            let resource = &layout.resources[m.resource];
-            let taken = &resource.transitions[m.transition];
-            MoveEntry {
-                resource: resource.name.clone(),
-                from: taken.from.clone(),
-                action: words::action(&taken.action),
-                to: taken.to.clone(),
-                operation: match &m.subject {
-                    Subject::Operation(number) => calls.get(*number).map(words::call),
-                    _ => None,
-                },
-                part: match &m.subject {
-                    Subject::Part(part) => Some(part.clone()),
-                    _ => None,
-                },
-            }
+            let operation = match &m.subject {
+                Subject::Operation(number) => calls.get(*number).map(words::call),
+                _ => None,
+            };
+            let part = match &m.subject {
+                Subject::Part(part) => Some(part.clone()),
+                _ => None,
+            };
+            MoveEntry::new(&layout.resources[m.resource], m.transition, operation, part)
         };
         vector.moves.iter().map(shown).collect()
     });
@@ -259,16 +373,16 @@ fn vectors(layout: &Layout, recipe: &Recipe, leg: &Leg) -> Vec<Vec<MoveEntry>> {
 
 fn text(loaded: &LoadedFiles, realization: &Realization, decision: &Decision) -> String {
     let title = words::title(realization);
-    let ((Some(layout), Some(recipe)), Some(controller)) =
-        (subject::models(loaded, realization), &decision.controller)
-    else {
+    if let Some(view) = view(loaded, realization, decision) {
+        return schedule::text(&title, &view);
+    }
+    let Some((layout, recipe, controller)) = controlled(loaded, realization, decision) else {
         let verdict = match decision.verdict {
             Verdict::Unrealizable => "cannot be made",
             _ => "not decided",
         };
         return format!("{title}: {verdict}\n");
     };
-    let (layout, recipe) = (&layout.model, &recipe.model);
     let steps = count(controller.worst_case as usize, "step");
     let bound = if controller.is_least {
         "the least possible"

@@ -191,7 +191,7 @@ fn examine(
     let candidates: Vec<Change> = kinds
         .flat_map(|k| k.candidates(&layout.model, &recipe.model))
         .collect();
-    let SearchLimits { nodes, vectors } = recipes::limits(options.effort);
+    let SearchLimits { nodes, vectors } = recipes::search_limits(options.effort);
     let limits = SearchLimits {
         nodes: nodes / SHARE,
         vectors: vectors / SHARE,

@@ -82,11 +82,18 @@ pub(super) fn models<'l>(
     loaded: &'l LoadedFiles,
     realization: &Realization,
 ) -> (Option<&'l Layout>, Option<&'l Recipe>) {
-    let library = &loaded.library;
-    let layout = library.layout_at(realization.layout_declared);
-    let recipe = match realization.recipes.as_slice() {
-        [wanted] if wanted.count == 1 => library.recipe_at(wanted.declared),
+    let layout = loaded.library.layout_at(realization.layout_declared);
+    let recipe = match recipes(loaded, realization).as_slice() {
+        [recipe] if realization.recipes[0].count == 1 => Some(*recipe),
         _ => None,
     };
     (layout, recipe)
+}
+
+/// Returns the recipes of a statement, in its order. A statement that was decided has them all.
+pub(super) fn recipes<'l>(loaded: &'l LoadedFiles, realization: &Realization) -> Vec<&'l Recipe> {
+    let wanted = realization.recipes.iter();
+    wanted
+        .filter_map(|wanted| loaded.library.recipe_at(wanted.declared))
+        .collect()
 }

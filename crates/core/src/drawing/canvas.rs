@@ -69,6 +69,8 @@ pub(super) struct Text {
 pub(super) enum Shape {
     /// A rectangle, with its upper left corner.
     Rectangle(Point, Size, &'static str),
+    /// A rectangle that says what it is when it is pointed at.
+    Titled(Point, Size, &'static str, String),
     /// Straight lines between points.
     Line(Vec<Point>, &'static str),
     /// The smooth curve of an arrow along these points.
@@ -211,6 +213,9 @@ impl Canvas {
                 Shape::Rectangle(corner, size, style) => {
                     Shape::Rectangle(moved(corner), size, style)
                 }
+                Shape::Titled(corner, size, style, title) => {
+                    Shape::Titled(moved(corner), size, style, title)
+                }
                 Shape::Line(points, style) => {
                     Shape::Line(points.into_iter().map(moved).collect(), style)
                 }
@@ -302,6 +307,11 @@ fn write_shape(output: &mut String, shape: &Shape) {
         Shape::Rectangle(Point { x, y }, Size { width, height }, style) => writeln!(
             output,
             "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>"
+        ),
+        Shape::Titled(Point { x, y }, Size { width, height }, style, title) => writeln!(
+            output,
+            "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}><title>{}</title></rect>",
+            escape(title)
         ),
         Shape::Line(points, style) => {
             let points = points.iter().map(|Point { x, y }| format!("{x:.1},{y:.1}"));

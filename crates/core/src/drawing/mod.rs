@@ -1,9 +1,10 @@
-//! Labelled state graphs as Graphviz text and as pictures. The callers decide what the graphs show.
+//! Labelled state graphs as Graphviz text and as pictures, timing diagrams and Gantt charts. The callers decide what the graphs show.
 
 mod blocks;
 mod canvas;
 pub mod dot;
 pub mod fold;
+pub mod gantt;
 mod layered;
 pub mod layers;
 mod legend;

@@ -242,7 +242,7 @@ pub(super) mod tests {
                             y: bottom,
                         })
                 }
-                Shape::Rectangle(corner, size, _) => {
+                Shape::Rectangle(corner, size, _) | Shape::Titled(corner, size, ..) => {
                     let x = corner.x + size.width;
                     let y = corner.y + size.height;
                     is_in(*corner) && is_in(Point { x, y })

@@ -35,6 +35,22 @@ pub(super) fn width(text: &str, font: f64, is_bold: bool) -> f64 {
     thousandths / 1000.0 * font * if is_bold { BOLD } else { 1.0 }
 }
 
+/// Cuts a text off where it becomes too wide for a room in SVG units, in a font size and weight.
+pub(super) fn fitting(content: &str, room: f64, (font, is_bold): (f64, bool)) -> String {
+    let width = |text: &str| width(text, font, is_bold);
+    if width(content) <= room {
+        return content.to_owned();
+    }
+    let mut cut = content.to_owned();
+    while cut.pop().is_some() {
+        let shown = format!("{cut}...");
+        if width(&shown) <= room {
+            return shown;
+        }
+    }
+    String::new()
+}
+
 /// Estimates the size of a text with these lines, including a margin. If it has a heading, that is
 /// its first line, which is bold.
 pub(super) fn size(lines: &[String], font: f64, has_heading: bool) -> Size {

@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, MARGIN, STATE_FONT as FONT, Shape, Text};
 use super::layers::{Point, Size};
 use super::svg::PAGE_WIDTH;
-use super::text;
+use super::text::{self, fitting};
 
 /// Height of a signal, in SVG units.
 const HEIGHT: f64 = 30.0;
@@ -172,7 +172,12 @@ impl Part<'_> {
                     x: 0.0,
                     y: y + ROW / 2.0 + 4.0,
                 };
-                canvas.write_in(FONT, base, false, &fitting(&signal.name, self.left));
+                canvas.write_in(
+                    FONT,
+                    base,
+                    false,
+                    &fitting(&signal.name, self.left, (FONT, false)),
+                );
                 self.signal(&mut canvas, y + (ROW - HEIGHT) / 2.0, signal);
                 y += ROW;
             }
@@ -261,7 +266,7 @@ impl Part<'_> {
                     x: f64::midpoint(left, right),
                     y: middle,
                 };
-                let word = fitting(word, right - left - 2.0 * SLOPE);
+                let word = fitting(word, right - left - 2.0 * SLOPE, (FONT, false));
                 canvas.lines(center, &[word], FONT, false);
             }
         }
@@ -294,22 +299,6 @@ fn finish(canvas: &mut Canvas, wave: &mut Vec<Point>) {
     if !wave.is_empty() {
         canvas.shapes.push(Shape::Line(std::mem::take(wave), WAVE));
     }
-}
-
-/// Cuts a text off where it becomes too wide.
-fn fitting(content: &str, room: f64) -> String {
-    let width = |text: &str| text::width(text, FONT, false);
-    if width(content) <= room {
-        return content.to_owned();
-    }
-    let mut cut = content.to_owned();
-    while cut.pop().is_some() {
-        let shown = format!("{cut}...");
-        if width(&shown) <= room {
-            return shown;
-        }
-    }
-    String::new()
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! What is to be made on a layout: the decision, its verification, and the causes in words.
 //!
 //! ```text
-//! contract::recipe::Realization ─decide→ Decision (controller, verified by a replay) or findings
+//! contract::recipe::Realization ─decide→ Decision (controller or plan, verified by a replay) or findings
 //! ```
 
 mod causes;
 mod findings;
 mod relaxed;
+mod several;
 pub mod words;
 
 use crate::internal::{self, Fault};
@@ -15,6 +16,7 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::Library;
 use linewright_language::contract::recipe::{Layout, Realization, Recipe};
 use linewright_recipe::controller::Controller;
+use linewright_recipe::plan::{Objective, Plan};
 use linewright_recipe::realize::{Outcome, SearchLimits, SearchSize, realize};
 use linewright_recipe::replay;
 use linewright_solver::game::BudgetFactor;
@@ -24,24 +26,77 @@ use linewright_solver::game::BudgetFactor;
 pub struct Decision {
     /// The verdict.
     pub verdict: Verdict,
-    /// If realizable: the controller, which has passed the replay.
-    pub controller: Option<Controller>,
+    /// If realizable: how, confirmed by a replay.
+    pub solution: Option<Solution>,
     /// Why it cannot be made, or is not decided.
     pub findings: Vec<Diagnostic>,
 }
 
+/// How the products of a statement are made.
+#[derive(Debug, Clone)]
+pub enum Solution {
+    /// One product, with least steps.
+    Controller(Controller),
+    /// Several products, or least time, energy or transfers.
+    Plan(Plan),
+}
+
+impl Solution {
+    /// Returns the value in the worst case over the outcomes of the tests: for least steps, their
+    /// number.
+    pub fn value(&self) -> u64 {
+        match self {
+            Self::Controller(controller) => u64::from(controller.worst_case),
+            Self::Plan(plan) => plan.value.unsigned_abs(),
+        }
+    }
+
+    /// Returns whether it is proved that no other has a smaller value.
+    pub fn is_least(&self) -> bool {
+        match self {
+            Self::Controller(controller) => controller.is_least,
+            Self::Plan(plan) => plan.is_least(),
+        }
+    }
+
+    /// Returns the plan, if it is one.
+    pub fn plan(&self) -> Option<&Plan> {
+        match self {
+            Self::Controller(_) => None,
+            Self::Plan(plan) => Some(plan),
+        }
+    }
+}
+
+/// What is searched for, and how hard.
+#[derive(Debug, Clone, Copy)]
+pub struct Aim {
+    /// What the solution has least of.
+    pub objective: Objective,
+    /// Factor of the limits.
+    pub factor: BudgetFactor,
+}
+
 impl Decision {
-    fn without_controller(verdict: Verdict, findings: Vec<Diagnostic>) -> Self {
+    fn realizable(solution: Solution) -> Self {
+        Self {
+            verdict: Verdict::Realizable,
+            solution: Some(solution),
+            findings: Vec::new(),
+        }
+    }
+
+    fn without_solution(verdict: Verdict, findings: Vec<Diagnostic>) -> Self {
         Self {
             verdict,
-            controller: None,
+            solution: None,
             findings,
         }
     }
 }
 
-/// Returns the limits of a search: those of the crate `recipe` times the factor.
-pub fn limits(factor: BudgetFactor) -> SearchLimits {
+/// Returns the limits of a search for one product: those of the crate `recipe` times the factor.
+pub fn search_limits(factor: BudgetFactor) -> SearchLimits {
     let scaled = |count: usize| usize::try_from(factor.scale(count as u64)).unwrap_or(usize::MAX);
     let SearchLimits { nodes, vectors } = SearchLimits::default();
     SearchLimits {
@@ -50,33 +105,57 @@ pub fn limits(factor: BudgetFactor) -> SearchLimits {
     }
 }
 
-/// Decides whether the products of a statement can be made, and names the causes if not. A
-/// controller is replayed; one that the replay refuses is an internal error.
+/// Decides whether the products of a statement can be made, and names the causes if not. Of several
+/// products, the first plan suffices. A solution that its replay refuses is an internal error.
 ///
-/// Takes the time of [`realize`]; for an unrealizable recipe, also that of at most some dozen
-/// searches for a verdict.
-pub fn decide(library: &Library, realization: &Realization, limits: SearchLimits) -> Decision {
-    let doing = || format!("deciding whether {} can be made", words::title(realization));
-    internal::caught(doing, || decided(library, realization, limits)).unwrap_or_else(|fault| {
-        let finding = fault.finding(Some(realization.span));
-        Decision::without_controller(Verdict::InternalError, vec![finding])
-    })
+/// Takes the time of [`realize`], or of [`linewright_recipe::plan::plan`]; for an unrealizable
+/// recipe, also that of at most some dozen searches for a verdict.
+pub fn decide(library: &Library, realization: &Realization, factor: BudgetFactor) -> Decision {
+    let objective = Objective::Steps;
+    decide_with(library, realization, Aim { objective, factor }, true)
 }
 
-fn decided(library: &Library, realization: &Realization, limits: SearchLimits) -> Decision {
-    let Some(layout) = library.layout_at(realization.layout_declared) else {
-        return Decision::without_controller(Verdict::Invalid, Vec::new());
+/// Decides like [`decide`], and looks for the best plan of the products.
+pub fn plan(library: &Library, realization: &Realization, aim: Aim) -> Decision {
+    decide_with(library, realization, aim, false)
+}
+
+fn decide_with(library: &Library, realization: &Realization, aim: Aim, first: bool) -> Decision {
+    let doing = || format!("deciding whether {} can be made", words::title(realization));
+    internal::caught(doing, || decided(library, realization, aim, first))
+        .and_then(|decision| decision)
+        .unwrap_or_else(|fault| {
+            let finding = fault.finding(Some(realization.span));
+            Decision::without_solution(Verdict::InternalError, vec![finding])
+        })
+}
+
+fn decided(
+    library: &Library,
+    realization: &Realization,
+    aim: Aim,
+    first: bool,
+) -> Result<Decision, Fault> {
+    let layout = library.layout_at(realization.layout_declared);
+    let recipes = (realization.recipes.iter())
+        .map(|wanted| library.recipe_at(wanted.declared))
+        .collect::<Option<Vec<&Recipe>>>();
+    let (Some(layout), Some(recipes)) = (layout, recipes) else {
+        return Ok(Decision::without_solution(Verdict::Invalid, Vec::new()));
     };
-    let [wanted] = realization.recipes.as_slice() else {
-        return several(realization);
-    };
-    if wanted.count > 1 {
-        return several(realization);
+    match recipes.as_slice() {
+        [recipe] if aim.objective == Objective::Steps && realization.recipes[0].count == 1 => {
+            on_layout(layout, recipe, realization, search_limits(aim.factor))
+        }
+        recipes => {
+            let order = several::Order {
+                layout,
+                recipes,
+                realization,
+            };
+            several::decide(&order, aim, first)
+        }
     }
-    let Some(recipe) = library.recipe_at(wanted.declared) else {
-        return Decision::without_controller(Verdict::Invalid, Vec::new());
-    };
-    on_layout(layout, recipe, realization, limits)
 }
 
 /// Decides whether one product of a recipe can be made on a layout. The realization is only named
@@ -86,30 +165,22 @@ fn on_layout(
     recipe: &Recipe,
     realization: &Realization,
     limits: SearchLimits,
-) -> Decision {
-    match attempt(layout, recipe, limits) {
-        Ok(Outcome::Realizable(controller)) => Decision {
-            verdict: Verdict::Realizable,
-            controller: Some(controller),
-            findings: Vec::new(),
-        },
-        Ok(Outcome::Unrealizable(refusal)) => {
+) -> Result<Decision, Fault> {
+    Ok(match attempt(layout, recipe, limits)? {
+        Outcome::Realizable(controller) => Decision::realizable(Solution::Controller(controller)),
+        Outcome::Unrealizable(refusal) => {
             let of = findings::Subject {
                 layout,
                 recipe,
                 realization,
             };
             let found = causes::find(&of, &refusal, limits);
-            Decision::without_controller(Verdict::Unrealizable, found)
+            Decision::without_solution(Verdict::Unrealizable, found)
         }
-        Ok(Outcome::GaveUp(size)) => {
-            Decision::without_controller(Verdict::GaveUp, vec![gave_up(realization, size)])
+        Outcome::GaveUp(size) => {
+            Decision::without_solution(Verdict::GaveUp, vec![gave_up(realization, size)])
         }
-        Err(fault) => {
-            let finding = fault.finding(Some(realization.span));
-            Decision::without_controller(Verdict::InternalError, vec![finding])
-        }
-    }
+    })
 }
 
 /// Decides whether one product of a recipe can be made on a layout, and replays the controller.
@@ -129,18 +200,6 @@ pub fn attempt(layout: &Layout, recipe: &Recipe, limits: SearchLimits) -> Result
             .map_err(|fault| Fault::detected(doing(), format!("the replay failed: {fault}")))?;
     }
     Ok(outcome)
-}
-
-/// The decision about several products.
-fn several(realization: &Realization) -> Decision {
-    let finding = Diagnostic::warning(
-        codes::RECIPE_UNDECIDED,
-        realization.span,
-        "it is not decided yet whether several products can be made at once",
-    )
-    .with_help("ask for one product of one recipe in each statement")
-    .giving_up(true);
-    Decision::without_controller(Verdict::GaveUp, vec![finding])
 }
 
 fn gave_up(realization: &Realization, size: SearchSize) -> Diagnostic {

@@ -76,13 +76,16 @@ use shop::{Shop, initial, products};
 /// Maximum duration of a transition in s, and maximum energy in kJ.
 const MAX_SECONDS: usize = 10_000_000;
 /// Maximum number of products that the search over all plans looks at.
-const MAX_TOGETHER: usize = 64;
+pub const MAX_TOGETHER: usize = 64;
 
 /// Limits of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PlanLimits {
-    /// Maximum number of nodes of each search. A node takes about one kilobyte.
+    /// Maximum number of nodes of each search for one product or one operation. A node takes about
+    /// one kilobyte.
     pub nodes: usize,
+    /// Maximum number of nodes of the search over all plans.
+    pub together: usize,
     /// Limits of the schedule with ample buffers.
     pub job_shop: jobshop::Limits,
     /// Whether the first plan that is found suffices, whatever its value.
@@ -93,6 +96,7 @@ impl Default for PlanLimits {
     fn default() -> Self {
         Self {
             nodes: 100_000,
+            together: 100_000,
             job_shop: jobshop::Limits::default(),
             first: false,
         }
@@ -192,7 +196,7 @@ fn find(
     let all: Vec<usize> = (0..products(demands).len()).collect();
     let configuration = initial(layout, demands);
     let shop = Shop::new(layout, demands, objective.execution(), &all, &configuration);
-    let mut search = Search::new(&shop, objective, limits.nodes);
+    let mut search = Search::new(&shop, objective, limits.together);
     let start: Vec<Progress> = (shop.slots.iter())
         .map(|(_, demand)| Progress::At(shop.cells[*demand].start as usize))
         .collect();

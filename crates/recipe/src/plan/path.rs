@@ -1,67 +1,97 @@
 //! The critical path of a plan.
 
-use super::{Entry, EntrySubject, Next, Plan, Schedule};
+use super::{Entry, EntrySubject, Next, Plan, Schedule, value};
 
 /// An entry of a critical path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CriticalEntry {
     /// Index of the position.
     pub position: usize,
+    /// The outcomes of the position's tests up to the entry, as indices into the lists of outcomes.
+    pub outcomes: Vec<usize>,
     /// The entry.
     pub entry: Entry,
 }
 
 /// Returns the critical path of a plan: a chain of entries that determines how long it takes when
-/// the tests end in the worst way, until all products are finished or a loop is closed. Each entry
-/// begins when the one before it ends, and takes the same resource, belongs to the same product or
-/// to the same event; if there is none like that, it waits for something else that ends then.
+/// the tests end in the way that takes longest, until all products are finished or a loop is closed.
+/// Each entry begins when the one before it ends, and takes the same resource, belongs to the same
+/// product or to the same event; if there is none like that, it waits for something else that ends
+/// then.
 ///
 /// Takes time proportional to the square of the number of entries.
 pub fn critical_path(plan: &Plan) -> Vec<CriticalEntry> {
+    let times = value::times(plan);
     let mut path = Vec::new();
     let mut next = (!plan.positions.is_empty()).then_some(0);
-    let mut seen = vec![false; plan.positions.len()];
+    // The positions that follow each other without closing a loop form no circle.
     while let Some(position) = next {
-        if std::mem::replace(&mut seen[position], true) {
-            break;
-        }
-        let mut entries = Vec::new();
-        let (time, then) = longest(&plan.positions[position].schedule, &mut entries);
-        let chain = chain(&entries, time);
-        path.extend(chain.into_iter().map(|entry| CriticalEntry {
+        let mut way = Vec::new();
+        let (time, then) = longest(&plan.positions[position].schedule, &times, &mut way);
+        let entries: Vec<&Entry> = way.iter().map(|(_, entry)| *entry).collect();
+        path.extend(chain(&entries, time).into_iter().map(|at| CriticalEntry {
             position,
-            entry: entry.clone(),
+            outcomes: way[at].0.clone(),
+            entry: way[at].1.clone(),
         }));
         next = then;
     }
     path
 }
 
-/// Collects the entries of the way through a schedule that takes longest. Returns how long it takes,
-/// and the position that follows it if the count goes on there.
-fn longest<'p>(schedule: &'p Schedule, entries: &mut Vec<&'p Entry>) -> (i64, Option<usize>) {
-    entries.extend(&schedule.entries);
+/// Collects the entries of the way through a schedule after which it takes longest until the end,
+/// each with the outcomes that lead to it. Returns the time at the end of the way, and the position
+/// that follows it if the count goes on there.
+fn longest<'p>(
+    schedule: &'p Schedule,
+    times: &[Option<i64>],
+    way: &mut Vec<(Vec<usize>, &'p Entry)>,
+) -> (i64, Option<usize>) {
+    let mut outcomes = Vec::new();
+    let mut schedule = schedule;
+    loop {
+        way.extend(schedule.entries.iter().map(|e| (outcomes.clone(), e)));
+        match &schedule.then {
+            Next::End { time } => return (*time, None),
+            Next::Goto {
+                time,
+                position,
+                closes_loop,
+            } => return (*time, (!closes_loop).then_some(*position)),
+            Next::Test {
+                time,
+                outcomes: all,
+                ..
+            } => {
+                let totals = all.iter().map(|(_, s)| until_end(s, times));
+                // Of equal ones, the first.
+                let worst = totals.enumerate().rev().max_by_key(|(_, total)| *total);
+                let Some((worst, _)) = worst else {
+                    return (*time, None);
+                };
+                outcomes.push(worst);
+                schedule = &all[worst].1;
+            }
+        }
+    }
+}
+
+/// Returns how long it takes at most from the beginning of the position until the end, after the
+/// outcomes that lead to the schedule.
+fn until_end(schedule: &Schedule, times: &[Option<i64>]) -> i64 {
     match &schedule.then {
-        Next::End { time } => (*time, None),
+        Next::End { time } => *time,
         Next::Goto {
             time,
             position,
             closes_loop,
-        } => (*time, (!closes_loop).then_some(*position)),
-        Next::Test { time, outcomes, .. } => {
-            let mut best: Option<(i64, Option<usize>, Vec<&Entry>)> = None;
-            for (_, outcome) in outcomes {
-                let mut own = Vec::new();
-                let (time, then) = longest(outcome, &mut own);
-                if best.as_ref().is_none_or(|b| time > b.0) {
-                    best = Some((time, then, own));
-                }
-            }
-            let Some((time, then, own)) = best else {
-                return (*time, None);
-            };
-            entries.extend(own);
-            (time, then)
+        } => {
+            let after = times[*position].filter(|_| !closes_loop);
+            time + after.unwrap_or(0)
+        }
+        Next::Test { outcomes, .. } => {
+            let each = outcomes.iter().map(|(_, s)| until_end(s, times));
+            each.max().unwrap_or(0)
         }
     }
 }
@@ -73,15 +103,15 @@ fn product(entry: &Entry) -> Option<usize> {
     }
 }
 
-/// Returns the chain of entries that ends at a time, from its beginning.
-fn chain<'p>(entries: &[&'p Entry], end: i64) -> Vec<&'p Entry> {
-    let mut chain: Vec<&Entry> = Vec::new();
+/// Returns the chain of entries that ends at a time, from its beginning, as indices.
+fn chain(entries: &[&Entry], end: i64) -> Vec<usize> {
+    let mut chain: Vec<usize> = Vec::new();
     let mut at = (0..entries.len()).rev().find(|e| entries[*e].end == end);
     let mut used = vec![false; entries.len()];
     while let Some(number) = at {
         used[number] = true;
         let entry = entries[number];
-        chain.push(entry);
+        chain.push(number);
         let ends_then = |e: &usize| !used[*e] && entries[*e].end == entry.start;
         let all = || (0..entries.len()).rev().filter(ends_then);
         let partner = all().find(|e| entries[*e].event == entry.event);

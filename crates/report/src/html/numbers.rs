@@ -142,7 +142,7 @@ pub(super) fn instants(seconds: f64, count: usize) -> (Vec<f64>, f64) {
 }
 
 /// Round marks of time from 0 up to `seconds`, some `count` of them, with their texts.
-pub(super) fn time_marks(seconds: f64, count: usize) -> Vec<(f64, String)> {
+pub fn time_marks(seconds: f64, count: usize) -> Vec<(f64, String)> {
     let (marks, step) = instants(seconds, count);
     let (unit, word) = if step >= 86_400.0 {
         (86_400.0, "d")

@@ -1,7 +1,7 @@
 //! What pages have in common: sections, tables, tiles, pictures, and where a result comes from.
 
 use super::numbers;
-pub use super::numbers::figure;
+pub use super::numbers::{figure, time_marks};
 use base64::Engine as _;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_core::diagnostics::json::{self, Finding, Place};
