@@ -11,6 +11,7 @@ mod imports;
 mod pages;
 mod project;
 mod readme;
+mod recipe_runs;
 mod recipes;
 mod schema;
 mod step;

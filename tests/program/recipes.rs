@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Runs the program in a folder with the examples. Returns the exit code and the document.
-fn document(folder: &Path, line: &str) -> (i32, Value) {
+pub(super) fn document(folder: &Path, line: &str) -> (i32, Value) {
     let mut arguments: Vec<&str> = line.split_whitespace().collect();
     arguments.extend(["--format", "json"]);
     let output = linewright(folder, &arguments);
@@ -21,7 +21,7 @@ fn document(folder: &Path, line: &str) -> (i32, Value) {
 }
 
 /// Runs the program. Returns the exit code and standard output.
-fn text(folder: &Path, line: &str) -> (i32, String) {
+pub(super) fn text(folder: &Path, line: &str) -> (i32, String) {
     let arguments: Vec<&str> = line.split_whitespace().collect();
     let output = linewright(folder, &arguments);
     let code = output.status.code().expect("an exit code");

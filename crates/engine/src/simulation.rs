@@ -107,13 +107,13 @@ fn toolchain(options: &SimulationOptions) -> Toolchain {
 }
 
 /// The library of a machine, and the values of the parameters that only the library has.
-struct Packaged {
+pub(crate) struct Packaged {
     package: Package,
     values: Vec<f64>,
 }
 
 impl Packaged {
-    fn whole(controlled: &ControlledMachine<'_>) -> Self {
+    pub(crate) fn whole(controlled: &ControlledMachine<'_>) -> Self {
         Self {
             package: libraries::package(controlled, &Profile::assumed()),
             values: Vec::new(),
@@ -183,13 +183,13 @@ fn run(
 }
 
 /// A loaded library, and the values of the parameters that only the library has.
-struct LoadedLibrary {
-    library: Arc<Library>,
+pub(crate) struct LoadedLibrary {
+    pub(crate) library: Arc<Library>,
     values: Vec<f64>,
 }
 
 /// Builds and loads libraries, in order. Equal packages are built once.
-fn build(
+pub(crate) fn build(
     packaged: Vec<Packaged>,
     folder: &Path,
     options: &SimulationOptions,

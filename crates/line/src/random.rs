@@ -33,6 +33,8 @@ pub enum Purpose {
     Routes,
     /// Dwell times of parts in a buffer.
     Dwell,
+    /// Outcomes of the tests of a recipe.
+    Tests,
 }
 
 /// A sequence of random numbers.

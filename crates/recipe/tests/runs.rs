@@ -16,6 +16,7 @@ const OBJECTIVES: [Objective; 2] = [Objective::Steps, Objective::Time];
 fn planned(layout: &Layout, demands: &[Demand], objective: Objective) -> Option<Plan> {
     let limits = PlanLimits {
         nodes: 2_000,
+        together: 2_000,
         ..PlanLimits::default()
     };
     match plan(layout, demands, objective, limits) {

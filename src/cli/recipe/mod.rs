@@ -3,7 +3,9 @@
 mod diff;
 mod plan;
 mod repair;
+mod run;
 mod schedule;
+mod stations;
 mod subject;
 mod topology;
 
@@ -27,6 +29,8 @@ pub struct Arguments {
 pub enum Command {
     /// Show how the resources of a layout make a recipe
     Plan(plan::Arguments),
+    /// Make the products of a layout once, with the station libraries of its machines
+    Run(run::Arguments),
     /// Count or draw the states in which the resources of a layout can be together
     Topology(topology::Arguments),
     /// Compare which recipes two layouts can make
@@ -40,6 +44,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     options.refuse_sarif("the result")?;
     match &arguments.command {
         Command::Plan(a) => plan::run(a, options),
+        Command::Run(a) => run::run(a, options),
         Command::Topology(a) => topology::run(a, options),
         Command::Diff(a) => diff::run(a, options),
         Command::Repair(a) => repair::run(a, options),
@@ -47,8 +52,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 }
 
 /// The documents of the subcommands, and the one that reports why `recipe` itself has no result.
-pub const DOCUMENTS: [Described; 5] = [
+pub const DOCUMENTS: [Described; 6] = [
     plan::DOCUMENT,
+    run::DOCUMENT,
     topology::DOCUMENT,
     diff::DOCUMENT,
     repair::DOCUMENT,

@@ -205,7 +205,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         arguments.gantt.is_none() || arguments.least != Least::Steps,
         "--gantt shows times, and steps have none: add `--least time`, `energy` or `transfers`"
     );
-    let loaded = subject::load(selection, &arguments.settings, DOCUMENT.name, options)?;
+    let objective = Objective::from(arguments.least);
+    let loaded = match objective {
+        Objective::Time | Objective::Energy => subject::load_timed,
+        Objective::Steps | Objective::Transfers => subject::load,
+    };
+    let loaded = loaded(selection, &arguments.settings, DOCUMENT.name, options)?;
     let loaded = match loaded {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -217,8 +222,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         selected.len()
     );
     let aim = Aim {
-        objective: arguments.least.into(),
+        objective,
         factor: options.effort,
+        as_plan: false,
     };
     let decided: Vec<(&Realization, Decision)> = selected
         .into_iter()
@@ -267,7 +273,7 @@ fn view<'l>(
 }
 
 /// Writes the Gantt charts of a plan; if this fails, says why and returns the exit code.
-fn draw(
+pub(super) fn draw(
     path: &Path,
     realization: &Realization,
     view: &View<'_>,

@@ -1,5 +1,6 @@
 //! Selects the statements `realize` on which a command works.
 
+use super::stations;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
@@ -34,6 +35,37 @@ pub(super) fn load(
         );
     };
     selection.load_layout(layout, settings, command, options)
+}
+
+/// Loads the files like [`load`]. In the layouts of the selected statements, each operation of a
+/// machine gets the time and power of the machine.
+pub(super) fn load_timed(
+    selection: &Selection,
+    settings: &[Setting],
+    command: &str,
+    options: &GlobalOptions,
+) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
+    let mut loaded = match load(selection, settings, command, options)? {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(Err(code)),
+    };
+    let mut layouts: Vec<&Layout> = Vec::new();
+    for realization in realizations(selection, &loaded)? {
+        let layout = loaded.library.layout_at(realization.layout_declared);
+        layouts.extend(layout.filter(|l| !layouts.iter().any(|known| known.span == l.span)));
+    }
+    let timed = stations::timed(&loaded, &layouts, command, options)?;
+    let timed = match timed {
+        Ok((timed, _)) => timed,
+        Err(code) => return Ok(Err(code)),
+    };
+    for layout in timed {
+        let all = &mut loaded.library.layouts;
+        if let Some(old) = all.iter_mut().find(|l| l.span == layout.span) {
+            *old = layout;
+        }
+    }
+    Ok(Ok(loaded))
 }
 
 /// Returns the statements `realize` with the selected recipe or layout; without a name, all that

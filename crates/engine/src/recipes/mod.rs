@@ -7,7 +7,9 @@
 mod causes;
 mod findings;
 mod relaxed;
+pub mod run;
 mod several;
+pub mod stations;
 pub mod words;
 
 use crate::internal::{self, Fault};
@@ -75,6 +77,8 @@ pub struct Aim {
     pub objective: Objective,
     /// Factor of the limits.
     pub factor: BudgetFactor,
+    /// Whether a plan is wanted even of one product with least steps, which else has a controller.
+    pub as_plan: bool,
 }
 
 impl Decision {
@@ -111,18 +115,41 @@ pub fn search_limits(factor: BudgetFactor) -> SearchLimits {
 /// Takes the time of [`realize`], or of [`linewright_recipe::plan::plan`]; for an unrealizable
 /// recipe, also that of at most some dozen searches for a verdict.
 pub fn decide(library: &Library, realization: &Realization, factor: BudgetFactor) -> Decision {
-    let objective = Objective::Steps;
-    decide_with(library, realization, Aim { objective, factor }, true)
+    let aim = Aim {
+        objective: Objective::Steps,
+        factor,
+        as_plan: false,
+    };
+    let layout = library.layout_at(realization.layout_declared);
+    decide_with(library, realization, layout, aim, true)
 }
 
 /// Decides like [`decide`], and looks for the best plan of the products.
 pub fn plan(library: &Library, realization: &Realization, aim: Aim) -> Decision {
-    decide_with(library, realization, aim, false)
+    let layout = library.layout_at(realization.layout_declared);
+    decide_with(library, realization, layout, aim, false)
 }
 
-fn decide_with(library: &Library, realization: &Realization, aim: Aim, first: bool) -> Decision {
+/// Plans like [`plan`] on the layout of the statement with other times, such as those of
+/// [`stations::timed_layout`].
+pub fn plan_on(
+    layout: &Layout,
+    library: &Library,
+    realization: &Realization,
+    aim: Aim,
+) -> Decision {
+    decide_with(library, realization, Some(layout), aim, false)
+}
+
+fn decide_with(
+    library: &Library,
+    realization: &Realization,
+    layout: Option<&Layout>,
+    aim: Aim,
+    first: bool,
+) -> Decision {
     let doing = || format!("deciding whether {} can be made", words::title(realization));
-    internal::caught(doing, || decided(library, realization, aim, first))
+    internal::caught(doing, || decided(library, realization, layout, aim, first))
         .and_then(|decision| decision)
         .unwrap_or_else(|fault| {
             let finding = fault.finding(Some(realization.span));
@@ -133,18 +160,19 @@ fn decide_with(library: &Library, realization: &Realization, aim: Aim, first: bo
 fn decided(
     library: &Library,
     realization: &Realization,
+    layout: Option<&Layout>,
     aim: Aim,
     first: bool,
 ) -> Result<Decision, Fault> {
-    let layout = library.layout_at(realization.layout_declared);
     let recipes = (realization.recipes.iter())
         .map(|wanted| library.recipe_at(wanted.declared))
         .collect::<Option<Vec<&Recipe>>>();
     let (Some(layout), Some(recipes)) = (layout, recipes) else {
         return Ok(Decision::without_solution(Verdict::Invalid, Vec::new()));
     };
+    let is_single = realization.recipes.len() == 1 && realization.recipes[0].count == 1;
     match recipes.as_slice() {
-        [recipe] if aim.objective == Objective::Steps && realization.recipes[0].count == 1 => {
+        [recipe] if is_single && aim.objective == Objective::Steps && !aim.as_plan => {
             on_layout(layout, recipe, realization, search_limits(aim.factor))
         }
         recipes => {

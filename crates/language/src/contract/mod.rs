@@ -83,6 +83,11 @@ pub struct Library {
 }
 
 impl Library {
+    /// Returns the machine that is declared at this place.
+    pub fn machine_at(&self, declared: Span) -> Option<&machine::Machine> {
+        self.machines.iter().find(|m| m.span == declared)
+    }
+
     /// Returns the layout that is declared at this place.
     pub fn layout_at(&self, declared: Span) -> Option<&recipe::Layout> {
         self.layouts.iter().find(|l| l.span == declared)

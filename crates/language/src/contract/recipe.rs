@@ -26,8 +26,9 @@ pub struct ResourceInfo {
     pub name: Span,
     /// Type of the resource, if written.
     pub kind: Option<String>,
-    /// Whether the type is a machine in sight, whose station library does the work.
-    pub is_machine: bool,
+    /// If the type is a machine in sight, whose station library does the work: the place of the
+    /// machine's name.
+    pub machine: Option<Span>,
     /// Whether the resource is a transport, or a duplicate of one.
     pub is_transport: bool,
     /// Place of the capacity, if written.

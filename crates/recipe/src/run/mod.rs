@@ -19,7 +19,7 @@ mod clock;
 pub use clock::Overrun;
 
 use crate::model::{Action, Demand, Layout};
-use crate::plan::{Entry, EntrySubject, Execution, Next, Plan, Schedule};
+use crate::plan::{Entry, EntrySubject, Execution, Next, Plan, PlanPosition, Schedule};
 use clock::Clock;
 
 /// What a run asks the cell for.
@@ -78,6 +78,49 @@ pub struct TestResult {
     pub product: usize,
     /// Index of the transition that its recipe takes.
     pub transition: usize,
+    /// Number of entries that were decided before the test.
+    pub entries_before: usize,
+}
+
+impl Run {
+    /// Returns the run as a plan with one position, whose tests have only the outcomes that occurred.
+    pub fn as_plan(&self, plan: &Plan) -> Plan {
+        let mut rest = self.entries.as_slice();
+        let mut then = Next::End { time: self.time };
+        for test in self.tests.iter().rev() {
+            let (before, after) = rest.split_at(test.entries_before);
+            rest = before;
+            let schedule = Schedule {
+                entries: after.to_vec(),
+                then,
+            };
+            then = Next::Test {
+                time: test.time,
+                product: test.product,
+                outcomes: vec![(test.transition, schedule)],
+            };
+        }
+        let schedule = Schedule {
+            entries: rest.to_vec(),
+            then,
+        };
+        let start = plan.positions.first().cloned();
+        let positions = start.map(|start| PlanPosition { schedule, ..start });
+        Plan {
+            positions: positions.into_iter().collect(),
+            value: self.time,
+            ..plan.clone()
+        }
+    }
+
+    /// Returns how long each of some resources was busy, in the unit of the times.
+    pub fn busy(&self, resources: usize) -> Vec<i64> {
+        let mut busy = vec![0; resources];
+        for entry in &self.entries {
+            busy[entry.resource] += entry.end - entry.start;
+        }
+        busy
+    }
 }
 
 /// Carries a plan out. The plan must be one that [`crate::replay_plan::verify`] accepts.
@@ -174,6 +217,7 @@ impl<P: Plant> Runner<'_, P> {
                         time: self.clock.test(*time, *product),
                         product: *product,
                         transition,
+                        entries_before: self.run.entries.len(),
                     });
                 }
             }

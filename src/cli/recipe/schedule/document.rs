@@ -58,7 +58,7 @@ enum PlanUnit {
 /// Unit of times.
 #[derive(JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
-enum TimeUnit {
+pub(in crate::cli::recipe) enum TimeUnit {
     /// Steps that resources take together.
     Steps,
     /// Seconds.
@@ -81,7 +81,7 @@ enum PlanMethod {
 
 /// A part of a schedule, up to a test or to the end. Times count from the beginning of its position.
 #[derive(JsonSchema, Serialize)]
-struct ScheduleSection {
+pub(in crate::cli::recipe) struct ScheduleSection {
     /// Its number: `2` for the second position, `2.1` for the first outcome of its first test.
     number: String,
     /// If it begins with a position: the state of each resource.
@@ -177,9 +177,14 @@ impl ProductsPlan {
             resources: (view.layout.resources.iter())
                 .map(|r| r.name.clone())
                 .collect(),
-            sections: view.sections().iter().map(|s| section(view, s)).collect(),
+            sections: sections(view),
         }
     }
+}
+
+/// Describes the schedule of a plan.
+pub(in crate::cli::recipe) fn sections(view: &View<'_>) -> Vec<ScheduleSection> {
+    view.sections().iter().map(|s| section(view, s)).collect()
 }
 
 fn section(view: &View<'_>, section: &Section<'_>) -> ScheduleSection {
@@ -239,7 +244,7 @@ fn moved(view: &View<'_>, section: &Section<'_>, entry: &Entry) -> ScheduleMove 
         event: entry.event,
         start: time(view.plan, entry.start),
         end: time(view.plan, entry.end),
-        product: view.product(entry).map(|p| p + 1),
+        product: super::product(entry).map(|p| p + 1),
         what: MoveEntry::new(
             resource,
             entry.transition,

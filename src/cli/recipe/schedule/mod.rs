@@ -5,9 +5,10 @@ mod gantt;
 mod quantity;
 mod text;
 
-pub(super) use document::ProductsPlan;
+pub(super) use document::{ProductsPlan, ScheduleSection, TimeUnit, sections};
 pub(super) use gantt::chart;
-pub(super) use text::text;
+pub(super) use quantity::{instant, number, value};
+pub(super) use text::{tables, text};
 
 use crate::engine::recipes::words;
 use crate::recipe::model::{Action, Layout, Recipe};
@@ -136,7 +137,7 @@ impl<'p> View<'p> {
                     end: taker.end,
                     resource: format!("{} => {}", name(giver), name(taker)),
                     what: self.what(giver),
-                    product: self.product(giver),
+                    product: product(giver),
                     is_critical: entries.iter().any(|e| self.is_critical(section, e)),
                     entries,
                 }),
@@ -145,7 +146,7 @@ impl<'p> View<'p> {
                     end: entry.end,
                     resource: name(entry),
                     what: self.what(entry),
-                    product: self.product(entry),
+                    product: product(entry),
                     is_critical: self.is_critical(section, entry),
                     entries: std::slice::from_ref(entry),
                 })),
@@ -183,14 +184,14 @@ impl<'p> View<'p> {
             }
         }
     }
+}
 
-    /// Index of the product that an entry is about.
-    fn product(&self, entry: &Entry) -> Option<usize> {
-        match &entry.subject {
-            EntrySubject::Operation { product, .. } => Some(*product),
-            EntrySubject::Part(part) => owner(part),
-            EntrySubject::Internal => None,
-        }
+/// Index of the product that an entry is about.
+fn product(entry: &Entry) -> Option<usize> {
+    match &entry.subject {
+        EntrySubject::Operation { product, .. } => Some(*product),
+        EntrySubject::Part(part) => owner(part),
+        EntrySubject::Internal => None,
     }
 }
 

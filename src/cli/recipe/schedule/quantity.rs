@@ -14,7 +14,7 @@ const WATT_HOUR: f64 = 3600.0;
 const KILOWATT_HOUR: f64 = 3.6e6;
 
 /// A value in the unit of the documents: steps, seconds, joules or transfers.
-pub(super) fn number(objective: Objective, value: i64) -> f64 {
+pub(in crate::cli::recipe) fn number(objective: Objective, value: i64) -> f64 {
     let value = value as f64;
     match objective {
         Objective::Steps | Objective::Transfers => value,
@@ -24,7 +24,7 @@ pub(super) fn number(objective: Objective, value: i64) -> f64 {
 }
 
 /// A value with its unit: `41 steps`, `1 min 21 s`, `2.42 Wh`, `14 transfers`.
-pub(super) fn value(objective: Objective, value: i64) -> String {
+pub(in crate::cli::recipe) fn value(objective: Objective, value: i64) -> String {
     let number = number(objective, value);
     match objective {
         Objective::Steps => count(number as usize, "step"),
@@ -52,7 +52,7 @@ pub(super) fn time(plan: &Plan, time: i64) -> f64 {
 }
 
 /// An instant in a table, in seconds: `68 s`, `7200.5 s`. From 1 s on, it is rounded to ms.
-pub(super) fn instant(nanoseconds: i64) -> String {
+pub(in crate::cli::recipe) fn instant(nanoseconds: i64) -> String {
     if nanoseconds < 1_000_000_000 {
         return duration(nanoseconds as f64 / NANOSECONDS);
     }

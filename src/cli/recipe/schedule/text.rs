@@ -30,6 +30,12 @@ pub(in crate::cli::recipe) fn text(title: &str, view: &View<'_>) -> String {
     if let Some(missing) = missing(view) {
         let _ = writeln!(text, "{missing}");
     }
+    text + &tables(view)
+}
+
+/// Shows the schedule of a plan: a table for each section.
+pub(in crate::cli::recipe) fn tables(view: &View<'_>) -> String {
+    let mut text = String::new();
     let sections = view.sections();
     for section in &sections {
         text.push('\n');

@@ -77,7 +77,7 @@ impl<'a> Builder<'a, '_> {
                 }
             }
         }
-        info.is_machine = self.machine(decl);
+        info.machine = self.machine(decl);
         self.starts
             .push((self.layout.resources.len(), resource.initial.clone()));
         self.layout.model.resources.push(resource);
@@ -106,13 +106,11 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Returns whether the type of a resource is a machine. Reports operations of the resource that
-    /// the machine does not have.
-    fn machine(&mut self, decl: &'a ast::Resource) -> bool {
+    /// Returns the place of the machine that is the type of a resource, if it is one. Reports
+    /// operations of the resource that the machine does not have.
+    fn machine(&mut self, decl: &'a ast::Resource) -> Option<Span> {
         let kind = decl.kind.as_ref();
-        let Some(machine) = kind.and_then(|k| self.scope.machines.get(k.text.as_str())) else {
-            return false;
-        };
+        let machine = kind.and_then(|k| self.scope.machines.get(k.text.as_str()))?;
         let known = machine.items.iter().filter_map(|item| match item {
             MachineItem::Operation { name, .. } => Some(name.text.as_str()),
             _ => None,
@@ -136,7 +134,7 @@ impl<'a> Builder<'a, '_> {
                 }
             }
         }
-        true
+        Some(machine.header.name.span)
     }
 
     /// Warns of states that a resource never enters, because a name is often misspelled so.

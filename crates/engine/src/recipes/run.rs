@@ -1,0 +1,98 @@
+//! Runs of what is to be made: a plan is carried out, with station libraries for the resources that
+//! are machines.
+
+use super::stations::Stations;
+use linewright_core::diagnostics::Diagnostic;
+use linewright_line::random::{Purpose, Stream};
+use linewright_recipe::model::{self, Demand};
+use linewright_recipe::plan::Plan;
+use linewright_recipe::run::{self, Performance, Plant, Run};
+
+/// Maximum number of positions of a plan in a run: a recipe with a loop may never end.
+pub const MAX_POSITIONS: usize = 100;
+
+/// How the tests of a run end.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Tests {
+    /// Random seed. All transitions that can follow a test are equally probable.
+    pub seed: u64,
+    /// Tests that always end in the same way.
+    pub fixed: Vec<FixedTest>,
+}
+
+/// A test that always ends in the same way.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FixedTest {
+    /// State of the recipe in which the product is tested.
+    pub from: String,
+    /// State of the recipe that follows.
+    pub to: String,
+}
+
+impl FixedTest {
+    /// Returns whether the test is one of this recipe.
+    pub fn is_of(&self, recipe: &model::Recipe) -> bool {
+        let mut leaving = recipe.transitions.iter().filter(|t| t.from == self.from);
+        leaving.any(|t| t.to == self.to)
+    }
+}
+
+/// Carries out a plan for a layout whose model is `layout`.
+///
+/// # Errors
+/// A station library returns an error.
+pub fn run(
+    layout: &model::Layout,
+    demands: &[Demand],
+    plan: &Plan,
+    stations: &mut Stations<'_>,
+    tests: &Tests,
+) -> Result<Run, Box<Diagnostic>> {
+    let streams = (0..plan.products.len())
+        .map(|product| Stream::new(tests.seed, Purpose::Tests, &product.to_string()));
+    let mut cell = Cell {
+        demands,
+        plan,
+        stations,
+        fixed: &tests.fixed,
+        streams: streams.collect(),
+    };
+    run::run(layout, demands, plan, &mut cell, MAX_POSITIONS)
+}
+
+/// A cell that carries a plan out.
+struct Cell<'a, 'l> {
+    demands: &'a [Demand],
+    plan: &'a Plan,
+    stations: &'a mut Stations<'l>,
+    fixed: &'a [FixedTest],
+    /// Random numbers of each product.
+    streams: Vec<Stream>,
+}
+
+impl Plant for Cell<'_, '_> {
+    type Error = Box<Diagnostic>;
+
+    fn perform(
+        &mut self,
+        resource: usize,
+        transition: usize,
+    ) -> Result<Option<Performance>, Box<Diagnostic>> {
+        self.stations.perform(resource, transition)
+    }
+
+    fn test(&mut self, product: usize, transitions: &[usize]) -> usize {
+        // A draw for each test, so that a fixed test changes no other.
+        let drawn = self.streams[product].below(transitions.len() as u64) as usize;
+        let recipe = &self.demands[self.plan.products[product]].recipe;
+        let is_fixed = |number: &&usize| {
+            let transition = &recipe.transitions[**number];
+            let same = |f: &FixedTest| f.from == transition.from && f.to == transition.to;
+            self.fixed.iter().any(same)
+        };
+        *transitions
+            .iter()
+            .find(is_fixed)
+            .unwrap_or(&transitions[drawn])
+    }
+}

@@ -1,0 +1,436 @@
+//! `linewright recipe run`: the cell makes its products once.
+
+use super::schedule::{self, ScheduleSection, TimeUnit, View};
+use super::{plan, print_result, stations, subject};
+use crate::cli::build::default_folder;
+use crate::cli::console::{Failed, count, schema};
+use crate::cli::exit::ExitCode;
+use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
+use crate::cli::select::Selection;
+use crate::contract::recipe::{Layout, Realization};
+use crate::contract::set::Setting;
+use crate::diagnostics::{Diagnostic, codes, json};
+use crate::engine::files::LoadedFiles;
+use crate::engine::recipes::run::{FixedTest, MAX_POSITIONS, Tests, run as carry_out};
+use crate::engine::recipes::stations::{Stations, machine_of};
+use crate::engine::recipes::{self, Aim, words};
+use crate::engine::simulation::SimulationOptions;
+use crate::line::Options;
+use crate::recipe::model::{Demand, Recipe};
+use crate::recipe::plan::{Execution, Objective, Plan};
+use crate::recipe::run::Run;
+use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// The arguments of `recipe run`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+    linewright recipe run examples/pad/times.lw
+    linewright recipe run examples/pad/times.lw --test b=d --seed 7
+    linewright recipe run examples/pad/hinge.lw --execution lockstep
+    linewright recipe run examples/cell/shaft.lw --gantt shaft.svg
+
+The run follows the plan with least time (timed) or least steps (lockstep). A resource that is a \
+machine does its work with the machine's station library, which is compiled first; other resources \
+take the times of the layout. The outcome of a test is drawn from the random seed, all outcomes \
+with the same probability, unless --test gives it.
+
+The exit code is 1 if a library returns an error, or a resource had to wait in a state where it may \
+not because an operation took longer than planned.")]
+pub struct Arguments {
+    /// The file, and a recipe or layout of one of its statements `realize`
+    #[arg(value_name = "FILE[::NAME]")]
+    pub selection: Selection,
+    /// How the plan is executed
+    #[arg(long, value_enum, default_value = "timed", value_name = "HOW")]
+    pub execution: How,
+    /// Random seed for the outcomes of tests
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// In this state of the recipe, go on to that one (repeatable)
+    #[arg(long = "test", value_name = "STATE=STATE")]
+    pub tests: Vec<FixedArgument>,
+    /// Draw the run as a Gantt chart (SVG; only timed)
+    #[arg(long, value_name = "FILE")]
+    pub gantt: Option<PathBuf>,
+    /// Set a number of the layout for this run (repeatable)
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub settings: Vec<Setting>,
+    /// Folder of the station libraries [default: .linewright next to the file]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Compile again even if nothing has changed
+    #[arg(long)]
+    pub rebuild: bool,
+}
+
+/// How a plan is executed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum How {
+    /// In steps that all resources take together.
+    Lockstep,
+    /// Each transition takes its own time.
+    Timed,
+}
+
+impl How {
+    fn objective(self) -> Objective {
+        match self {
+            Self::Lockstep => Objective::Steps,
+            Self::Timed => Objective::Time,
+        }
+    }
+}
+
+/// A test with its outcome: `b=d`.
+#[derive(Debug, Clone)]
+pub struct FixedArgument(FixedTest);
+
+impl FromStr for FixedArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let states = text.split_once('=').map(|(a, b)| (a.trim(), b.trim()));
+        match states {
+            Some((from, to)) if !from.is_empty() && !to.is_empty() => Ok(Self(FixedTest {
+                from: from.to_owned(),
+                to: to.to_owned(),
+            })),
+            _ => Err("write the state of the test and the one that follows, such as `b=d`".into()),
+        }
+    }
+}
+
+/// Describes the JSON document that the command prints.
+pub const DOCUMENT: Described = Described::new(
+    "recipe-run",
+    "A run of a recipe on a layout: `recipe run`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
+struct Document {
+    schema: String,
+    /// The statement without its first word: `Hinge on Pad`.
+    name: String,
+    /// The file with the statement.
+    file: String,
+    /// How the plan was executed.
+    execution: How,
+    /// Random seed for the outcomes of tests.
+    seed: u64,
+    /// Whether all products are finished. If not, the recipe has a loop that was still going on.
+    is_finished: bool,
+    /// When the run ended.
+    makespan: f64,
+    /// What the plan takes in the worst case over the outcomes of the tests.
+    planned: f64,
+    /// Unit of all times.
+    time_unit: TimeUnit,
+    /// Electrical energy in J; only timed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    energy: Option<f64>,
+    /// The recipe of each product. Product 1 is the first.
+    products: Vec<String>,
+    /// The resources.
+    resources: Vec<ResourceEntry>,
+    /// What happened: the schedule, divided at each test.
+    sections: Vec<ScheduleSection>,
+    /// Errors of station libraries, and resources that waited where they may not.
+    findings: Vec<json::Finding>,
+}
+
+/// A resource in a run.
+#[derive(JsonSchema, Serialize)]
+struct ResourceEntry {
+    /// The name of the resource.
+    name: String,
+    /// The machine whose station library did the work, if it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    machine: Option<String>,
+    /// How long its transitions took.
+    busy: f64,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    let (selection, how) = (&arguments.selection, arguments.execution);
+    anyhow::ensure!(
+        arguments.gantt.is_none() || how == How::Timed,
+        "--gantt shows times, and steps have none: leave out `--execution lockstep`"
+    );
+    let console = options.console();
+    let loaded = subject::load(selection, &arguments.settings, DOCUMENT.name, options)?;
+    let loaded = match loaded {
+        Ok(loaded) => loaded,
+        Err(code) => return Ok(code),
+    };
+    let sources = &loaded.library.sources;
+    let realization = one(selection, &loaded)?;
+    let recipes: Vec<&Recipe> = subject::recipes(&loaded, realization)
+        .into_iter()
+        .map(|r| &r.model)
+        .collect();
+    let tests = tests(arguments, &recipes)?;
+    let (Some(layout), _) = subject::models(&loaded, realization) else {
+        anyhow::bail!("the layout `{}` cannot be used", realization.layout);
+    };
+    let timed = stations::timed(&loaded, &[layout], DOCUMENT.name, options)?;
+    let (timed, synthesis) = match timed {
+        Ok((mut timed, synthesis)) => (timed.remove(0), synthesis),
+        Err(code) => return Ok(code),
+    };
+    let aim = Aim {
+        objective: how.objective(),
+        factor: options.effort,
+        as_plan: true,
+    };
+    let decision = recipes::plan_on(&timed, &loaded.library, realization, aim);
+    let solution = decision.solution.as_ref();
+    let Some(plan) = solution.and_then(recipes::Solution::plan) else {
+        console.failed(DOCUMENT.name, sources, &decision.findings)?;
+        return Ok(options
+            .exit_code(&decision.findings)
+            .and(decision.verdict.into()));
+    };
+    let default = default_folder(&selection.path);
+    let folder = arguments.out.as_deref().unwrap_or(&default);
+    let simulation = SimulationOptions {
+        options: Options {
+            deadline: options.settings().limits.deadline,
+            ..Options::default()
+        },
+        rebuild: arguments.rebuild,
+        ..SimulationOptions::default()
+    };
+    let built = Stations::new(&loaded.library, layout, &synthesis, folder, &simulation);
+    let demands: Vec<Demand> = (realization.recipes.iter().zip(&recipes))
+        .map(|(wanted, recipe)| Demand::new((*recipe).clone(), wanted.count as usize))
+        .collect();
+    let made = built.and_then(|mut stations| {
+        carry_out(&timed.model, &demands, plan, &mut stations, &tests).map_err(|e| vec![*e])
+    });
+    let made = match made {
+        Ok(made) => made,
+        Err(findings) => {
+            console.failed(DOCUMENT.name, sources, &findings)?;
+            return Ok(options.exit_code(&findings));
+        }
+    };
+    let findings: Vec<Diagnostic> = overruns(layout, &made);
+    let shown = made.as_plan(plan);
+    let result = Made {
+        loaded: &loaded,
+        realization,
+        layout,
+        plan,
+        run: &made,
+        how,
+        view: View::new(&shown, &timed.model, recipes),
+    };
+    print_result(
+        &result.document(arguments.seed, &findings),
+        || result.text() + &console.render(sources, &findings),
+        options,
+    )?;
+    if let Some(path) = &arguments.gantt
+        && let Some(failed) = plan::draw(path, realization, &result.view, &loaded, options)?
+    {
+        return Ok(failed);
+    }
+    Ok(options.exit_code(&findings))
+}
+
+/// Returns the selected statement.
+fn one<'l>(selection: &Selection, loaded: &'l LoadedFiles) -> anyhow::Result<&'l Realization> {
+    let selected = subject::realizations(selection, loaded)?;
+    let [realization] = selected.as_slice() else {
+        let titles: Vec<String> = selected.iter().map(|r| words::title(r)).collect();
+        anyhow::bail!(
+            "one statement is run at a time, but these are selected: {}; write {}::NAME",
+            titles.join("; "),
+            selection.path
+        );
+    };
+    Ok(realization)
+}
+
+/// Returns how the tests end.
+fn tests(arguments: &Arguments, recipes: &[&Recipe]) -> anyhow::Result<Tests> {
+    let fixed: Vec<FixedTest> = arguments.tests.iter().map(|t| t.0.clone()).collect();
+    for test in &fixed {
+        if recipes.iter().any(|r| test.is_of(r)) {
+            continue;
+        }
+        let mut known: Vec<String> = Vec::new();
+        for recipe in recipes {
+            for from in &recipe.states {
+                let leaving = recipe.transitions.iter().filter(|t| t.from == *from);
+                let leaving: Vec<String> = leaving.map(|t| format!("{from}={}", t.to)).collect();
+                if leaving.len() > 1 {
+                    known.extend(leaving);
+                }
+            }
+        }
+        let instead = if known.is_empty() {
+            "the recipe has no tests".to_owned()
+        } else {
+            format!("its tests are {}", known.join(", "))
+        };
+        anyhow::bail!(
+            "no transition leads from `{}` to `{}`: {instead}",
+            test.from,
+            test.to
+        );
+    }
+    Ok(Tests {
+        seed: arguments.seed,
+        fixed,
+    })
+}
+
+/// The findings about resources that waited where they may not.
+fn overruns(layout: &Layout, run: &Run) -> Vec<Diagnostic> {
+    let found = run.overruns.iter().map(|overrun| {
+        let resource = &layout.model.resources[overrun.resource];
+        let info = &layout.resources[overrun.resource];
+        let state = &resource.states[overrun.state].name;
+        Diagnostic::error(
+            codes::RECIPE_UNREALIZABLE,
+            info.states[overrun.state],
+            format!(
+                "`{}` waited from {} to {} in `{state}`, where it may not",
+                resource.name,
+                schedule::instant(overrun.from),
+                schedule::instant(overrun.to)
+            ),
+        )
+        .with_help("an operation took longer than planned: give the layout the longer time, or let the resource wait there with `nop`")
+    });
+    found.collect()
+}
+
+/// A run that has ended, with all that is shown of it.
+struct Made<'r> {
+    loaded: &'r LoadedFiles,
+    realization: &'r Realization,
+    layout: &'r Layout,
+    plan: &'r Plan,
+    run: &'r Run,
+    how: How,
+    view: View<'r>,
+}
+
+impl Made<'_> {
+    fn document(&self, seed: u64, findings: &[Diagnostic]) -> Document {
+        let library = &self.loaded.library;
+        let number = |time: i64| schedule::number(self.how.objective(), time);
+        let resources = self.layout.model.resources.iter();
+        let busy = self.run.busy(self.layout.model.resources.len());
+        let name = |demand: &usize| self.view.recipes[*demand].name.clone();
+        Document {
+            schema: schema(DOCUMENT.name),
+            name: words::title(self.realization),
+            file: library
+                .sources
+                .file(self.realization.span.file)
+                .name
+                .clone(),
+            execution: self.how,
+            seed,
+            is_finished: self.run.is_finished,
+            makespan: number(self.run.time),
+            planned: number(self.plan.value),
+            time_unit: match self.run.execution {
+                Execution::Lockstep => TimeUnit::Steps,
+                Execution::Timed => TimeUnit::Seconds,
+            },
+            energy: self.energy(),
+            products: self.plan.products.iter().map(name).collect(),
+            resources: (resources.zip(&self.layout.resources).zip(busy))
+                .map(|((resource, info), busy)| ResourceEntry {
+                    name: resource.name.clone(),
+                    machine: machine_of(library, info).map(|m| m.name.clone()),
+                    busy: number(busy),
+                })
+                .collect(),
+            sections: schedule::sections(&self.view),
+            findings: json::findings(&library.sources, findings),
+        }
+    }
+
+    /// Electrical energy in J.
+    fn energy(&self) -> Option<f64> {
+        let is_timed = self.run.execution == Execution::Timed;
+        is_timed.then(|| schedule::number(Objective::Energy, self.run.energy))
+    }
+
+    fn text(&self) -> String {
+        let value = |time: i64| schedule::value(self.how.objective(), time);
+        let how = match self.how {
+            How::Lockstep => "in lockstep",
+            How::Timed => "timed",
+        };
+        let mut text = format!(
+            "{}, {how}: {}; planned {} in the worst case\n",
+            words::title(self.realization),
+            value(self.run.time),
+            value(self.plan.value)
+        );
+        if self.energy().is_some_and(|joules| joules > 0.0) {
+            let energy = schedule::value(Objective::Energy, self.run.energy);
+            let _ = writeln!(text, "electrical energy {energy}");
+        }
+        if !self.run.is_finished {
+            let _ = writeln!(
+                text,
+                "ended after {}, in a loop of the recipe",
+                count(MAX_POSITIONS, "position")
+            );
+        }
+        text += &schedule::tables(&self.view);
+        text + &self.table()
+    }
+
+    /// How busy each resource was.
+    fn table(&self) -> String {
+        let busy = self.run.busy(self.layout.model.resources.len());
+        let resources = self
+            .layout
+            .model
+            .resources
+            .iter()
+            .zip(&self.layout.resources);
+        let mut rows = vec![["resource", "busy", "", "machine"].map(str::to_owned)];
+        for ((resource, info), busy) in resources.zip(busy) {
+            let share = busy as f64 / self.run.time.max(1) as f64;
+            let machine = machine_of(&self.loaded.library, info);
+            rows.push([
+                resource.name.clone(),
+                schedule::value(self.how.objective(), busy),
+                format!("{:.0} %", share * 100.0),
+                machine.map_or_else(String::new, |m| m.name.clone()),
+            ]);
+        }
+        let width = |column: usize| {
+            let cells = rows.iter().map(|row| row[column].chars().count());
+            cells.max().unwrap_or(0)
+        };
+        let [name, time, share] = [0, 1, 2].map(width);
+        let has_machines = rows[1..].iter().any(|row| !row[3].is_empty());
+        let mut text = String::from("\n");
+        for [a, b, c, d] in &rows {
+            let machine = if has_machines { d } else { "" };
+            let line = format!("{a:name$}  {b:>time$}  {c:>share$}  {machine}");
+            let _ = writeln!(text, "{}", line.trim_end());
+        }
+        text
+    }
+}
