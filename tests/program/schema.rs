@@ -88,6 +88,8 @@ const COMMANDS: &[&str] = &[
     "check examples/pad cases/recipe",
     "recipe plan examples/pad/parallel.lw",
     "recipe plan examples/pad/hinge.lw --set r3.holds=0",
+    "recipe plan examples/pad/times.lw --least time",
+    "recipe plan two-hinges.lw --least energy",
     "recipe topology examples/pad/hinge.lw",
     "recipe topology examples/pad/hinge.lw --max-states 10",
     "recipe diff examples/pad/parallel.lw Pad Six",
@@ -107,6 +109,10 @@ const COMMANDS: &[&str] = &[
 
 /// Contracts that refine each other or do not, and one for which no environment fits.
 const FILES: &[(&str, &str)] = &[
+    (
+        "two-hinges.lw",
+        "import \"examples/pad/times.lw\"\n\nrealize 2 Hinge on Timed\n",
+    ),
     (
         "two.lw",
         "contract Strong {\n  input go: bool\n  output lit: bool\n  guarantee follows: always (lit <-> go)\n}\n\n\
