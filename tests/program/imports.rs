@@ -28,6 +28,7 @@ const CRATES: [(&str, &[&str]); 14] = [
         "engine",
         &[
             "algebra",
+            "b2mml",
             "core",
             "interchange",
             "language",
@@ -48,6 +49,7 @@ const ORDER: [(&str, &[&str]); 4] = [
             "source",
             "diagnostics",
             "drawing",
+            "rename",
             "taxonomy",
             "gr1",
         ],

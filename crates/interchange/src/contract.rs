@@ -6,12 +6,12 @@
 //! every step has a successor then. It replaces names that the language does not allow, and lists
 //! them in comments.
 
-use super::rename::renamed;
 use super::write::is_truth;
 use super::{Format, labels};
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp,
 };
+use linewright_core::rename::renamed;
 use linewright_core::source::FileId;
 use linewright_syntax::{format, is_reserved, parse};
 use std::fmt::Write as _;

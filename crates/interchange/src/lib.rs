@@ -27,7 +27,6 @@ pub mod lower;
 mod names;
 pub mod own_tool;
 mod prefix;
-mod rename;
 mod slugsin;
 mod spc;
 mod spectra;

@@ -16,10 +16,10 @@ pub(super) use gates::is_truth;
 
 use super::Format;
 use super::names::one_line;
-use super::rename::renamed;
 use gates::{Gate, Gates, TooManyCases};
 use linewright_core::diagnostics::Diagnostic;
 use linewright_core::gr1::{Domain, Expr, Formula, FormulaKind, Owner, Specification, Variable};
+use linewright_core::rename::renamed;
 
 /// Output formats of [`write`](fn@write).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

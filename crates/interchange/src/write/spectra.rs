@@ -7,7 +7,6 @@
 //! Mealy game; see [`lower`].
 
 use super::super::lower;
-use super::super::rename::renamed;
 use super::super::spectra::is_keyword;
 use super::gates::{Shape, TooManyCases, is_truth};
 use super::one_line;
@@ -18,6 +17,7 @@ use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, FormulaKind, Owner, Side, Specification, Time, Timing,
     UnaryOp, VarId, Variable,
 };
+use linewright_core::rename::renamed;
 use std::fmt::Write as _;
 
 const WORDS: Words = Words {

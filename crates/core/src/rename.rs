@@ -1,12 +1,16 @@
 //! Consistently replaces names that another language does not allow.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns a unique name that `is_allowed` accepts for each of `names`, in their order.
 ///
 /// The first occurrence of an allowed name keeps it. In other names, `_` replaces each character
-/// that is not an ASCII letter, digit or `_`. Then `prefix` and a suffix are added as needed.
-pub(super) fn renamed<'a>(
+/// that is not an ASCII letter, digit or `_`. Then `prefix` and a suffix are added as needed. A name
+/// that occurs again is replaced, too.
+///
+/// `is_allowed` has to accept words of these characters that begin with a letter or with `prefix`,
+/// but for a few.
+pub fn renamed<'a>(
     names: impl IntoIterator<Item = &'a str>,
     prefix: &str,
     is_allowed: impl Fn(&str) -> bool,
@@ -20,6 +24,7 @@ pub(super) fn renamed<'a>(
             (is_allowed(name) && used.insert((*name).to_owned())).then(|| (*name).to_owned())
         })
         .collect();
+    let mut next: BTreeMap<String, u32> = BTreeMap::new();
     for (name, slot) in names.iter().zip(&mut result) {
         if slot.is_some() {
             continue;
@@ -40,11 +45,17 @@ pub(super) fn renamed<'a>(
         } else {
             format!("{prefix}{plain}")
         };
-        let numbered = (2..).map(|n| format!("{stem}_{n}"));
-        let mut candidates = [stem.clone(), format!("{stem}_")]
-            .into_iter()
-            .chain(numbered);
-        *slot = candidates.find(|c| is_allowed(c) && !used.contains(c));
+        // Of each stem, the candidates before the next one are taken.
+        let next = next.entry(stem.clone()).or_insert(0);
+        while slot.is_none() {
+            let candidate = match *next {
+                0 => stem.clone(),
+                1 => format!("{stem}_"),
+                number => format!("{stem}_{number}"),
+            };
+            *next += 1;
+            *slot = Some(candidate).filter(|c| is_allowed(c) && !used.contains(c));
+        }
         used.extend(slot.clone());
     }
     result.into_iter().flatten().collect()
