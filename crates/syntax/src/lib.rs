@@ -20,6 +20,6 @@ mod words;
 pub use mend::{
     begins_skill_set, declares_inner_machine, declares_layout_or_recipe, declares_skill_set,
 };
-pub use parser::{parse, parse_value};
+pub use parser::{is_transfer_label, is_word, parse, parse_value};
 pub use value::{Value, ValueSyntax};
 pub use words::{is_reserved, reserved_words};

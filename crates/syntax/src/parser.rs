@@ -75,6 +75,20 @@ pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     (tree, findings)
 }
 
+/// Returns whether a text is a word of layouts, recipes and skill sets, which can be a name there.
+pub fn is_word(text: &str) -> bool {
+    is_whole(Rule::word, text)
+}
+
+/// Returns whether a text can be the label of a transfer: `in:3`.
+pub fn is_transfer_label(text: &str) -> bool {
+    is_whole(Rule::transfer_label, text)
+}
+
+fn is_whole(rule: Rule, text: &str) -> bool {
+    Grammar::parse(rule, text).is_ok_and(|pairs| pairs.as_str().len() == text.len())
+}
+
 /// Parses a value that stands alone: the text from byte `from` on, which is a character boundary.
 ///
 /// # Errors

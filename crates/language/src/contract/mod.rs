@@ -19,6 +19,7 @@ pub mod metric;
 mod patterns;
 pub mod picture;
 pub mod recipe;
+pub mod recipe_tree;
 mod recipes;
 mod routes;
 mod scope;

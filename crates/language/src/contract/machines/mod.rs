@@ -17,7 +17,7 @@ pub(super) use durations::{duration, failures, random_duration};
 pub(super) use properties::{
     PropertyType, assigned, declare_property, element_names, property_type, property_values,
 };
-pub(super) use settings::{assignments, check_written_once, non_negative};
+pub(super) use settings::{assignments, check_written_once, non_negative, out_of_range};
 
 use super::elaborate::{Elaborator, Findings, nearest};
 use super::instantiate::{self, Arguments, instantiate};

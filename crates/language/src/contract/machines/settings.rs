@@ -241,7 +241,10 @@ pub(in crate::contract) fn non_negative<'a>(
 }
 
 /// Returns a message and a help text if a run does not support this duration or power.
-pub(super) fn out_of_range(value: f64, dimension: Dimension) -> Option<(String, String)> {
+pub(in crate::contract) fn out_of_range(
+    value: f64,
+    dimension: Dimension,
+) -> Option<(String, String)> {
     match dimension {
         Dimension::Time if !is_duration(value) => Some((
             format!("{value:e} s is not a valid duration"),

@@ -15,7 +15,7 @@ use linewright_syntax::ast::{self, CountedName, LayoutItem, Name, PartCapacity};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of parts that a resource can hold.
-pub(super) const MAX_CAPACITY: u64 = 10_000;
+pub(in crate::contract) const MAX_CAPACITY: u64 = 10_000;
 /// Maximum number of parts that a transport carries at once: each is a resource.
 const MAX_CARRIED: u64 = 100;
 

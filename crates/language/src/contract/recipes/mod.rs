@@ -14,7 +14,7 @@ use super::skills::near_or_all;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_syntax::ast;
 
-pub(super) use layout::layout;
+pub(super) use layout::{MAX_CAPACITY, layout};
 pub(super) use process::recipe;
 
 /// Maximum number of products of one recipe that a statement can ask for.
