@@ -38,6 +38,7 @@ pub mod cli;
 
 pub use linewright_algebra as algebra;
 pub use linewright_automata as automata;
+pub use linewright_b2mml as b2mml;
 pub use linewright_core::{deadline, diagnostics, drawing, gr1, source, taxonomy};
 pub use linewright_engine::{self as engine, play};
 pub use linewright_interchange as interchange;

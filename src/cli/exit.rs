@@ -63,7 +63,7 @@ impl ExitCode {
     }
 
     fn of_error(finding: &Diagnostic) -> Self {
-        const CANNOT_RUN: [codes::Code; 13] = [
+        const CANNOT_RUN: [codes::Code; 14] = [
             codes::FILE_UNREADABLE,
             codes::SYNTAX,
             codes::IMPORT_MISSING,
@@ -77,6 +77,7 @@ impl ExitCode {
             codes::PROFILE,
             codes::DUMP,
             codes::FILE_KEPT,
+            codes::DOCUMENT,
         ];
         if finding.code == codes::INTERNAL {
             Self::Internal

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 const NOT_IN_A_CONTRACT: &[&str] = &[
     "LW001", "LW007", "LW204", "LW311", "LW312", "LW317", "LW403", "LW404", "LW405", "LW406",
     "LW407", "LW409", "LW501", "LW502", "LW503", "LW504", "LW505", "LW506", "LW507", "LW530",
-    "LW540", "LW541", "LW542", "LW543", "LW544", "LW545", "LW546", "LW547",
+    "LW540", "LW541", "LW542", "LW543", "LW544", "LW545", "LW546", "LW547", "LW620", "LW621",
 ];
 
 /// A finding as in a document of `check`.

@@ -14,6 +14,8 @@ pub struct Finding {
     pub line: usize,
     /// Column in characters, from 1. A byte order mark does not count.
     pub column: usize,
+    /// The same place in bytes from the beginning of the text, without a byte order mark.
+    pub offset: usize,
     /// Rule that is broken.
     pub rule: Rule,
     /// What is wrong, as a sentence without a full stop.
@@ -159,6 +161,7 @@ impl Collector {
             Finding {
                 line,
                 column,
+                offset: at,
                 rule,
                 message,
             }

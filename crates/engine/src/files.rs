@@ -395,8 +395,18 @@ fn within(place: &Path) -> Vec<Resolution> {
     all
 }
 
+/// Returns whether a file is taken for a B2MML document: its name ends with `.xml`.
+pub fn is_document(path: &Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|e| e.eq_ignore_ascii_case("xml"))
+}
+
 fn read_named(path: &Path) -> Resolution {
     let name = clean(path);
+    if is_document(path) && path.is_file() {
+        let why = "B2MML is not read here, but `linewright import` converts it to a .lw file";
+        return Err((name, why.to_owned()));
+    }
     match read(path) {
         Ok(text) => Ok((name, text)),
         Err(why) => Err((name, why)),
@@ -484,7 +494,7 @@ pub fn is_regular(path: &Path) -> Result<(), String> {
     disk::is_regular(path).map_err(|e| describe(&e))
 }
 
-fn describe(error: &std::io::Error) -> String {
+pub(crate) fn describe(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
         std::io::ErrorKind::PermissionDenied => "permission denied".to_owned(),

@@ -1,6 +1,7 @@
 //! `linewright recipe`: plans, topologies, comparisons and repairs of layouts and recipes.
 
 mod diff;
+mod documents;
 mod plan;
 mod repair;
 mod run;

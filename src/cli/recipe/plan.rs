@@ -1,10 +1,12 @@
 //! `linewright recipe plan`: how the resources of a layout make a recipe.
 
+use super::documents::add_documents;
 use super::schedule::{self, ProductsPlan, View};
 use super::{print_result, subject};
 use crate::cli::console::{Failed, count, schema};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::results::Results;
 use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::contract::recipe::Realization;
@@ -31,6 +33,7 @@ use std::path::{Path, PathBuf};
     linewright recipe plan examples/pad/six.lw::Six --format json
     linewright recipe plan examples/pad/hinge.lw --set r3.holds=3
     linewright recipe plan examples/pad/times.lw --least time --gantt hinge.svg
+    linewright recipe plan examples/pad/hinge.lw --emit b2mml --out documents
 
 A plan of one product with least steps has a list of steps for each transition of the recipe. In a \
 step, each resource takes one transition or waits: `r3: glue(p)(p)` is an operation, and \
@@ -41,7 +44,11 @@ r5.r1.r2.time.
 
 Of a plan that is not proved the least possible, a lower bound says how far it can be from that: \
 --effort 10 lets the search for a better one look at ten times as many plans. The exit code is 1 \
-if the products cannot be made, and 3 if this was not decided.")]
+if the products cannot be made, and 3 if this was not decided.
+
+B2MML documents have the name of the statement and what they hold: Hinge-on-Pad.equipment.xml is \
+the layout, definition.xml the recipe, workflow.xml the same as a graph if it has choices or loops, \
+and schedule.xml the plan, which is one of one product with least steps.")]
 pub struct Arguments {
     /// The file, and a recipe or layout of its statements `realize` [default: all statements]
     #[arg(value_name = "FILE[::NAME]")]
@@ -55,6 +62,19 @@ pub struct Arguments {
     /// Set a number of the layout for this plan (repeatable)
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub settings: Vec<Setting>,
+    /// Write files instead of the text
+    #[arg(long, value_enum, value_name = "FORM", requires = "out")]
+    pub emit: Option<Emit>,
+    /// Output folder of the files
+    #[arg(long, value_name = "DIR", requires = "emit")]
+    pub out: Option<PathBuf>,
+}
+
+/// A form of files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Emit {
+    /// Layout, recipe and plan as documents in B2MML 7.0.1
+    B2mml,
 }
 
 /// What a plan has least of.
@@ -205,6 +225,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         arguments.gantt.is_none() || arguments.least != Least::Steps,
         "--gantt shows times, and steps have none: add `--least time`, `energy` or `transfers`"
     );
+    let is_many = |r: &Realization| r.recipes.len() > 1 || r.recipes.iter().any(|w| w.count > 1);
     let objective = Objective::from(arguments.least);
     let loaded = match objective {
         Objective::Time | Objective::Energy => subject::load_timed,
@@ -221,6 +242,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         "--gantt draws one plan, but {} statements are selected: write FILE::NAME",
         selected.len()
     );
+    anyhow::ensure!(
+        arguments.emit.is_none()
+            || objective == Objective::Steps && !selected.iter().any(|r| is_many(r)),
+        "--emit b2mml writes plans of one product with least steps: select one with FILE::NAME, without `--least`"
+    );
     let aim = Aim {
         objective,
         factor: options.effort,
@@ -233,6 +259,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let findings: Vec<Diagnostic> = (decided.iter())
         .flat_map(|(_, d)| d.findings.iter().cloned())
         .collect();
+    let verdicts = decided.iter().map(|(_, d)| ExitCode::from(d.verdict));
+    let code = verdicts.fold(options.exit_code(&findings), ExitCode::and);
+    if arguments.emit == Some(Emit::B2mml) {
+        let out = arguments.out.as_deref();
+        return Ok(code.and(write_documents(&loaded, &decided, findings, out, options)?));
+    }
     let document = Document {
         schema: schema(DOCUMENT.name),
         least: arguments.least,
@@ -255,8 +287,23 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     {
         return Ok(failed);
     }
-    let verdicts = decided.iter().map(|(_, d)| ExitCode::from(d.verdict));
-    Ok(verdicts.fold(options.exit_code(&findings), ExitCode::and))
+    Ok(code)
+}
+
+/// Writes the documents of all plans into a folder.
+fn write_documents(
+    loaded: &LoadedFiles,
+    decided: &[(&Realization, Decision)],
+    mut findings: Vec<Diagnostic>,
+    out: Option<&Path>,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
+    let mut results = Results::default();
+    for (realization, decision) in decided {
+        let finding = add_documents(loaded, realization, decision, &mut results);
+        findings.extend(finding);
+    }
+    results.finish(DOCUMENT.name, out, loaded, findings, options)
 }
 
 /// Returns the plan of a statement with its models, if it has one with a schedule.

@@ -183,6 +183,9 @@ codes! {
     RECIPE_LEFTOVER = "LW613", "a part would remain in the cell";
     RECIPE_UNREALIZABLE = "LW614", "a recipe cannot be made on a layout";
     RECIPE_UNDECIDED = "LW615", "it is not decided whether a recipe can be made";
+
+    DOCUMENT = "LW620", "a B2MML document cannot be imported";
+    DOCUMENT_LEFT_OUT = "LW621", "an element of a B2MML document is left out";
 }
 
 /// Returns the code with an id such as `LW101`; case does not matter.

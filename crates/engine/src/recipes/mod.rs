@@ -2,15 +2,20 @@
 //!
 //! ```text
 //! contract::recipe::Realization ─decide→ Decision (controller or plan, verified by a replay) or findings
+//! B2MML ─import→ text; controller ─documents→ B2MML
 //! ```
 
 mod causes;
+mod documents;
 mod findings;
+pub mod import;
 mod relaxed;
 pub mod run;
 mod several;
 pub mod stations;
 pub mod words;
+
+pub use documents::{PlanDocument, documents};
 
 use crate::internal::{self, Fault};
 use crate::pipeline::Verdict;
