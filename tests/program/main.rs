@@ -1,6 +1,7 @@
 //! The program from outside, the library as other programs use it, and the rules of the repository.
 
 mod algebra;
+mod b2mml;
 mod book;
 mod browser;
 mod catalogue;

@@ -6,6 +6,7 @@ pub mod assumed;
 pub mod documents;
 pub mod external;
 pub mod games;
+pub mod mesa;
 pub mod programs;
 pub mod wine;
 

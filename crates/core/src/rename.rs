@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Returns a unique name that `is_allowed` accepts for each of `names`, in their order.
 ///
 /// The first occurrence of an allowed name keeps it. In other names, `_` replaces each character
-/// that is not an ASCII letter, digit or `_`. Then `prefix` and a suffix are added as needed. A name
-/// that occurs again is replaced, too.
+/// that is not an ASCII letter, digit or `_`. Then `prefix` and a suffix are added as needed. Names
+/// that occur again are replaced, too.
 ///
 /// `is_allowed` has to accept words of these characters that begin with a letter or with `prefix`,
 /// but for a few.

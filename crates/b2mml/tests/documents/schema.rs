@@ -1,67 +1,27 @@
-//! The schemas of MESA, and libxml2 as validator (by lxml).
-//!
-//! The schemas are no part of the repository: they are looked for in `b2mml-7.0.1` within
-//! `LINEWRIGHT_SCHEMAS` or beside it, which is `../shared/facts/schemas` if it is not set.
+//! libxml2 with the schemas of MESA: the table of types, the documents that are written, and those
+//! that are read.
 
 use crate::mutated::{mutant, originals};
-use crate::support::external::{python_with, skip};
+use crate::support::mesa::Validator;
 use crate::support::random::Random;
 use crate::support::{self, cell, documents, pad, rename};
 use linewright_b2mml::{Rule, read};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
 /// Derives the table of types from the schemas.
 const TABLE: &str = include_str!("table.py");
 
-/// Prints the name of each file that is valid.
-const VALIDATE: &str = "
-import os, sys
-from lxml import etree
-schema = etree.XMLSchema(etree.parse(sys.argv[1]))
-parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True)
-for name in sorted(os.listdir(sys.argv[2])):
-    try:
-        if schema.validate(etree.parse(os.path.join(sys.argv[2], name), parser)):
-            print(name)
-        elif len(sys.argv) > 3:
-            print(name, schema.error_log.last_error, file=sys.stderr)
-    except (etree.XMLSyntaxError, OSError) as error:
-        if len(sys.argv) > 3:
-            print(name, error, file=sys.stderr)
-";
-
-/// Returns the folder of the schemas, and Python with lxml.
-fn tools() -> Option<(PathBuf, PathBuf)> {
-    let folder = std::env::var_os("LINEWRIGHT_SCHEMAS").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/facts/schemas"),
-        PathBuf::from,
-    );
-    let places = [folder.join("b2mml-7.0.1"), folder.join("../b2mml-7.0.1")];
-    let Some(schemas) = places.iter().find(|p| p.join("AllSchemas.xsd").is_file()) else {
-        skip("b2mml", &format!("there is no {}", places[0].display()));
-        return None;
-    };
-    Some((schemas.clone(), python_with("xsd", "lxml")?))
-}
-
-/// Returns the output of a Python program.
-fn python(python: &Path, program: &str, arguments: &[&Path]) -> String {
-    let mut command = Command::new(python);
-    let output = command.args(["-c", program]).args(arguments).output();
-    let output = output.expect("Python starts");
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{errors}");
-    String::from_utf8(output.stdout).expect("it prints UTF-8") + &errors
+fn validator() -> Option<Validator> {
+    Validator::find(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))
 }
 
 #[test]
 fn the_table_is_that_of_the_schemas() {
-    let Some((schemas, python_path)) = tools() else {
+    let Some(validator) = validator() else {
         return;
     };
-    let derived = python(&python_path, TABLE, &[&schemas]);
+    let derived = validator.python(TABLE, &[&validator.schemas]);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/schema/types.txt");
     let table = std::fs::read_to_string(path).expect("the table is there");
     let lines: Vec<&str> = table.lines().filter(|l| !l.starts_with('#')).collect();
@@ -72,23 +32,13 @@ fn the_table_is_that_of_the_schemas() {
 /// Writes documents into a folder and returns the names of those that libxml2 finds valid, with its
 /// reasons for the others if they are asked for.
 fn valid(documents: &[Vec<u8>], reasons: bool) -> Option<(BTreeSet<String>, String)> {
-    let (schemas, path) = tools()?;
+    let validator = validator()?;
     let folder = tempfile::tempdir().expect("a folder");
     for (number, document) in documents.iter().enumerate() {
         let name = folder.path().join(file(number));
         std::fs::write(name, document).expect("a file can be written");
     }
-    let all = schemas.join("AllSchemas.xsd");
-    let mut arguments: Vec<&Path> = vec![&all, folder.path()];
-    if reasons {
-        arguments.push(Path::new("reasons"));
-    }
-    let printed = python(&path, VALIDATE, &arguments);
-    let (names, rest): (Vec<&str>, Vec<&str>) = printed.lines().partition(|l| !l.contains(' '));
-    Some((
-        names.into_iter().map(str::to_owned).collect(),
-        rest.join("\n"),
-    ))
+    Some(validator.valid(folder.path(), reasons))
 }
 
 fn file(number: usize) -> String {

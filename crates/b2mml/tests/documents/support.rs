@@ -2,16 +2,21 @@
 
 #[path = "../../../../tests/support/external.rs"]
 pub mod external;
+#[path = "../../../../tests/support/mesa.rs"]
+pub mod mesa;
 #[path = "../../../recipe/tests/support/pad.rs"]
 pub mod pad;
 #[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "../../../recipe/tests/support/random.rs"]
 pub mod random;
+#[path = "../../../recipe/tests/support/rename.rs"]
+mod rename;
 
 use linewright_b2mml::{Document, Performance, Record, Schedule, WriteError, read, write};
-use linewright_recipe::model::{Guard, Layout, OperationCall, Part, Problem, Recipe};
+use linewright_recipe::model::{Layout, Problem, Recipe};
 use linewright_recipe::realize::{Outcome, SearchLimits, realize};
 use random::Random;
+pub use rename::rename;
 
 /// Returns a random cell, whose transitions have random durations and powers.
 pub fn cell(seed: u64) -> (Layout, Recipe) {
@@ -105,55 +110,6 @@ pub fn documents(layout: &Layout, recipe: &Recipe) -> Vec<String> {
         documents.extend(write::performance(&performance(&schedule)).ok());
     }
     documents
-}
-
-/// Replaces all names.
-pub fn rename(layout: &mut Layout, recipe: &mut Recipe, new: &dyn Fn(&str) -> String) {
-    use linewright_recipe::model::Action;
-    let apply = |name: &mut String| *name = new(name);
-    apply(&mut layout.name);
-    for resource in &mut layout.resources {
-        apply(&mut resource.name);
-        apply(&mut resource.initial);
-        resource.states.iter_mut().for_each(|s| apply(&mut s.name));
-        resource.holds.iter_mut().for_each(apply);
-        for transition in &mut resource.transitions {
-            apply(&mut transition.from);
-            apply(&mut transition.to);
-            match &mut transition.action {
-                Action::Operation(name)
-                | Action::Internal(name)
-                | Action::In(name)
-                | Action::Out(name) => apply(name),
-            }
-        }
-    }
-    apply(&mut recipe.name);
-    apply(&mut recipe.start);
-    for Part { name, kind } in &mut recipe.parts {
-        apply(name);
-        apply(kind);
-    }
-    let lists = [&mut recipe.states, &mut recipe.ends, &mut recipe.leftover];
-    lists.into_iter().flatten().for_each(apply);
-    for transition in &mut recipe.transitions {
-        apply(&mut transition.from);
-        apply(&mut transition.to);
-        if let Guard::Test { name, inputs, at } = &mut transition.guard {
-            apply(name);
-            inputs.iter_mut().chain(at).for_each(apply);
-        }
-        let steps = transition.steps.iter_mut();
-        for OperationCall {
-            name,
-            inputs,
-            outputs,
-        } in steps.flat_map(|s| &mut s.operations)
-        {
-            apply(name);
-            inputs.iter_mut().chain(outputs).for_each(apply);
-        }
-    }
 }
 
 /// Returns a name that is hard to write: each of them differs from the others, and from any other

@@ -34,8 +34,8 @@ pub struct RecipeTree {
     /// follows. All places are empty.
     pub file: ast::File,
     /// Names that are no words of the language, or that occur twice among those of the layouts and
-    /// recipes, with the words that replace them. The same name has the same word everywhere, except
-    /// in a label.
+    /// recipes, with the words that replace them. The same name has the same word everywhere,
+    /// except in a label.
     pub renamed: Vec<(String, String)>,
 }
 
@@ -114,8 +114,8 @@ pub fn unwritable_in_recipe(recipe: &Recipe) -> Vec<Unwritable> {
 }
 
 /// Returns the syntax tree of layouts and recipes in which nothing is
-/// [unwritable](unwritable_in_layout). Takes time proportional to their size, times the logarithm of
-/// the number of names.
+/// [unwritable](unwritable_in_layout). Takes time proportional to their size, times the logarithm
+/// of the number of names.
 pub fn tree(layouts: &[Layout], recipes: &[Recipe]) -> RecipeTree {
     let words = Words::of(layouts, recipes);
     let mut items = Vec::new();
