@@ -303,7 +303,7 @@ fn overruns(layout: &Layout, run: &Run) -> Vec<Diagnostic> {
         let info = &layout.resources[overrun.resource];
         let state = &resource.states[overrun.state].name;
         Diagnostic::error(
-            codes::RECIPE_UNREALIZABLE,
+            codes::RECIPE_WAIT,
             info.states[overrun.state],
             format!(
                 "`{}` waited from {} to {} in `{state}`, where it may not",
