@@ -103,28 +103,56 @@ fn product(entry: &Entry) -> Option<usize> {
     }
 }
 
-/// Returns the chain of entries that ends at a time, from its beginning, as indices.
+/// Returns the chain of entries that ends at a time, from its beginning, as indices: one that begins
+/// at 0, or else as early as possible.
+///
+/// An entry that ends just when the next one begins may do so because it was made to, such as a
+/// transport that leaves late; nothing ends when it begins. So all entries before are tried.
 fn chain(entries: &[&Entry], end: i64) -> Vec<usize> {
-    let mut chain: Vec<usize> = Vec::new();
-    let mut at = (0..entries.len()).rev().find(|e| entries[*e].end == end);
     let mut used = vec![false; entries.len()];
-    while let Some(number) = at {
-        used[number] = true;
-        let entry = entries[number];
-        chain.push(number);
-        let ends_then = |e: &usize| !used[*e] && entries[*e].end == entry.start;
-        let all = || (0..entries.len()).rev().filter(ends_then);
-        let partner = all().find(|e| entries[*e].event == entry.event);
-        let same = |e: &usize| {
-            let other = entries[*e];
-            other.resource == entry.resource
-                || (product(other).is_some() && product(other) == product(entry))
+    let last = (0..entries.len()).filter(|e| entries[*e].end == end);
+    // The entries on the way, and for each the ones before it that are still to be tried.
+    let mut way: Vec<usize> = Vec::new();
+    let mut open: Vec<Vec<usize>> = vec![last.collect()];
+    let mut best: Vec<usize> = Vec::new();
+    let start = |way: &[usize]| way.last().map_or(i64::MAX, |e| entries[*e].start);
+    while let Some(untried) = open.last_mut() {
+        let Some(number) = untried.pop() else {
+            open.pop();
+            way.pop();
+            continue;
         };
-        at = partner
-            .or_else(|| all().find(|e| *e < number && same(e)))
-            .or_else(|| all().find(|e| *e < number))
-            .filter(|_| entry.start > 0 || entry.end > 0);
+        if std::mem::replace(&mut used[number], true) {
+            continue;
+        }
+        way.push(number);
+        if start(&way) < start(&best) {
+            best.clone_from(&way);
+        }
+        if start(&way) == 0 {
+            break;
+        }
+        open.push(before(entries, number));
     }
-    chain.reverse();
-    chain
+    best.reverse();
+    best
+}
+
+/// Returns the entries that end when an entry begins, the one to try first at the end: that of the
+/// same event, then those of the same resource or product, then all others.
+fn before(entries: &[&Entry], number: usize) -> Vec<usize> {
+    let entry = entries[number];
+    let rank = |e: &usize| {
+        let other = entries[*e];
+        let is_same = other.resource == entry.resource
+            || (product(other).is_some() && product(other) == product(entry));
+        (other.event == entry.event, is_same, *e)
+    };
+    let ends_then = |e: &usize| {
+        let is_earlier = *e < number || entries[*e].event == entry.event;
+        is_earlier && *e != number && entries[*e].end == entry.start
+    };
+    let mut found: Vec<usize> = (0..entries.len()).filter(ends_then).collect();
+    found.sort_by_key(rank);
+    found
 }

@@ -83,11 +83,7 @@ fn missing(view: &View<'_>) -> Option<String> {
 
 fn heading(view: &View<'_>, section: &Section<'_>) -> String {
     if let Some(outcome) = section.begins {
-        return format!(
-            "{}, at {}",
-            view.outcome(outcome),
-            at(view.plan, outcome.time)
-        );
+        return format!("{}, {}", view.outcome(outcome), at(view.plan, outcome.time));
     }
     if section.position == 0 {
         return "from the start".to_owned();
@@ -123,11 +119,11 @@ fn heading(view: &View<'_>, section: &Section<'_>) -> String {
     }
 }
 
-/// `68 s`, or `after step 17`.
+/// `at 68 s`, or `after step 17`.
 fn at(plan: &Plan, time: i64) -> String {
     match plan.execution() {
         Execution::Lockstep => format!("after step {time}"),
-        Execution::Timed => instant(time),
+        Execution::Timed => format!("at {}", instant(time)),
     }
 }
 
