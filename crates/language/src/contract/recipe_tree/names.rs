@@ -23,8 +23,12 @@ impl Words {
     /// Chooses the words of all names of the models.
     pub fn of(layouts: &[Layout], recipes: &[Recipe]) -> Self {
         let mut names = Names::default();
-        layouts.iter().for_each(|l| names.add_layout(l));
-        recipes.iter().for_each(|r| names.add_recipe(r));
+        for layout in layouts {
+            names.add_layout(layout);
+        }
+        for recipe in recipes {
+            names.add_recipe(recipe);
+        }
         let declared = layouts.iter().map(|l| l.name.as_str());
         let declared: Vec<&str> = declared
             .chain(recipes.iter().map(|r| r.name.as_str()))
@@ -96,7 +100,9 @@ impl<'a> Distinct<'a> {
     }
 
     fn extend(&mut self, names: &'a [String]) {
-        names.iter().for_each(|n| self.add(n));
+        for name in names {
+            self.add(name);
+        }
     }
 }
 
@@ -111,7 +117,9 @@ impl<'a> Names<'a> {
         for resource in &layout.resources {
             self.plain.add(&resource.name);
             self.plain.add(&resource.initial);
-            resource.states.iter().for_each(|s| self.plain.add(&s.name));
+            for state in &resource.states {
+                self.plain.add(&state.name);
+            }
             for transition in &resource.transitions {
                 match &transition.action {
                     Action::Operation(name) | Action::Internal(name) => self.plain.add(name),
