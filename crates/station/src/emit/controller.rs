@@ -8,7 +8,7 @@ use super::Names;
 use super::assumed::{Assumptions, Checks, StoredStep};
 use super::decisions::{self, Tables};
 use super::expression::literal;
-use super::text::comment;
+use super::text::{comment, wrap};
 use super::words::{is_header, word};
 use crate::is_windows_device;
 use crate::template::render;
@@ -30,10 +30,35 @@ pub struct Files {
     pub source: String,
 }
 
+/// What a controller was made from, for the comments of its files.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// What it controls: `the contract Turn`.
+    pub title: String,
+    /// How to use it, beside what holds for all controllers; one paragraph per entry.
+    pub usage: Vec<String>,
+}
+
+impl Origin {
+    /// Returns the origin of the controller of a contract.
+    pub fn contract(name: &str) -> Self {
+        Self {
+            title: format!("the contract {name}"),
+            usage: Vec::new(),
+        }
+    }
+}
+
 /// Emits a controller of this specification with explicit states.
 pub fn of_machine(machine: &Machine, specification: &Specification) -> Files {
+    of_machine_from(machine, specification, &Origin::contract(&machine.name))
+}
+
+/// Like [`of_machine`], for a controller of any origin.
+pub fn of_machine_from(machine: &Machine, specification: &Specification, origin: &Origin) -> Files {
     let text = Text::new(
         &machine.name,
+        origin.clone(),
         machine.timing,
         &machine.inputs,
         &machine.outputs,
@@ -51,6 +76,7 @@ pub fn of_machine(machine: &Machine, specification: &Specification) -> Files {
 pub fn of_functions(functions: &Functions) -> Files {
     let text = Text::new(
         &functions.name,
+        Origin::contract(&functions.name),
         functions.timing,
         &functions.inputs,
         &functions.outputs,
@@ -64,7 +90,7 @@ pub fn of_functions(functions: &Functions) -> Files {
 }
 
 struct Text<'a> {
-    contract: &'a str,
+    origin: Origin,
     timing: Timing,
     name: String,
     inputs: Vec<(String, &'a Port)>,
@@ -74,9 +100,10 @@ struct Text<'a> {
 /// The fields of `controller.h`.
 #[derive(Serialize)]
 struct Header<'a> {
-    contract: String,
+    title: String,
     name: &'a str,
     moore: bool,
+    usage: Vec<String>,
     inputs: Vec<Field<'a>>,
     outputs: Vec<Field<'a>>,
     /// For a controller as functions: the number of bits that store the values of the last step.
@@ -95,7 +122,7 @@ struct Field<'a> {
 /// The fields of `machine.c`.
 #[derive(Serialize)]
 struct MachineSource<'a> {
-    contract: String,
+    title: String,
     name: &'a str,
     tests: Vec<Test<'a>>,
     /// For each cube, its range of tests.
@@ -145,7 +172,7 @@ struct TransitionRow {
 /// The fields of `functions.c`.
 #[derive(Serialize)]
 struct FunctionsSource<'a> {
-    contract: String,
+    title: String,
     name: &'a str,
     signals: Vec<SignalRange>,
     #[serde(flatten)]
@@ -210,18 +237,24 @@ fn integer(domain: &Domain) -> &'static str {
 }
 
 impl<'a> Text<'a> {
-    fn new(contract: &'a str, timing: Timing, inputs: &'a [Port], outputs: &'a [Port]) -> Self {
+    fn new(
+        controller: &str,
+        origin: Origin,
+        timing: Timing,
+        inputs: &'a [Port],
+        outputs: &'a [Port],
+    ) -> Self {
         let fields = |ports: &'a [Port]| {
             let mut names = Names::default();
             let named = ports.iter().map(|p| (names.unique(&word(&p.name)), p));
             named.collect::<Vec<_>>()
         };
-        let mut name = word(contract);
+        let mut name = word(controller);
         if is_header(&name) || is_windows_device(&name) {
             name.push('_');
         }
         Self {
-            contract,
+            origin,
             timing,
             name,
             inputs: fields(inputs),
@@ -234,9 +267,12 @@ impl<'a> Text<'a> {
         render(
             "controller/controller.h",
             Header {
-                contract: comment(self.contract),
+                title: comment(&self.origin.title),
                 name: &self.name,
                 moore: self.timing == Timing::Moore,
+                usage: (self.origin.usage.iter())
+                    .map(|text| wrap(&comment(text), " * "))
+                    .collect(),
                 inputs: structure(&self.inputs),
                 outputs: structure(&self.outputs),
                 bits,
@@ -318,7 +354,7 @@ impl<'a> Text<'a> {
         render(
             "controller/machine.c",
             MachineSource {
-                contract: comment(self.contract),
+                title: comment(&self.origin.title),
                 name: &self.name,
                 tests,
                 cubes,
@@ -371,7 +407,7 @@ impl<'a> Text<'a> {
         render(
             "controller/functions.c",
             FunctionsSource {
-                contract: comment(self.contract),
+                title: comment(&self.origin.title),
                 name: &self.name,
                 signals: signals.collect(),
                 tables: decisions::tables(controls, &|bit| bit.0.to_string()),

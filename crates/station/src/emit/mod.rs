@@ -240,12 +240,12 @@ fn rows(rows: &[String], empty: &str) -> String {
 }
 
 /// Assigns unique names.
-#[derive(Default)]
-pub(super) struct Names(BTreeSet<String>);
+#[derive(Debug, Default)]
+pub struct Names(BTreeSet<String>);
 
 impl Names {
     /// Returns the preferred name, or that name with the first free number appended.
-    pub(super) fn unique(&mut self, preferred: &str) -> String {
+    pub fn unique(&mut self, preferred: &str) -> String {
         let mut name = preferred.to_owned();
         let mut number = 2;
         while !self.0.insert(name.clone()) {

@@ -4,6 +4,7 @@
 use super::names::{Names, comment, identifier, part, stem};
 use super::text::{indented, wrap_condition};
 use super::{Block, Enumeration, Initial, Parts, Section, Type, Variable, Width, literal};
+use crate::emit::controller::Origin;
 use crate::template::render;
 use linewright_core::gr1::{Domain, Formula, Side, Specification, Timing, describe_domain};
 use linewright_solver::mealy;
@@ -26,6 +27,7 @@ pub(super) struct Port<'a> {
 /// A block's ports, types, errors and names.
 pub(super) struct Interface<'a> {
     contract: String,
+    origin: &'a Origin,
     prefix: String,
     timing: Timing,
     specification: &'a Specification,
@@ -64,12 +66,13 @@ pub(super) struct BlockVariables {
 /// The fields of `description.txt`.
 #[derive(Serialize)]
 struct Description<'a> {
-    contract: String,
+    title: String,
     timing: &'static str,
     enable: &'a str,
     error: &'a str,
     error_id: &'a str,
     reset: &'a str,
+    usage: Vec<String>,
     assumptions: Vec<String>,
     guarantees: Vec<String>,
 }
@@ -88,11 +91,16 @@ struct Call<'a> {
 
 impl<'a> Interface<'a> {
     /// Creates the interface of a controller.
-    pub fn new(controller: &'a mealy::Controller, specification: &'a Specification) -> Self {
+    pub fn new(
+        controller: &'a mealy::Controller,
+        specification: &'a Specification,
+        origin: &'a Origin,
+    ) -> Self {
         let contract = controller.name();
         let prefix = stem(contract);
         let mut interface = Self {
             contract: contract.to_owned(),
+            origin,
             prefix: prefix.clone(),
             timing: controller.timing(),
             specification,
@@ -343,12 +351,13 @@ impl<'a> Interface<'a> {
         let text = render(
             "structured_text/description.txt",
             Description {
-                contract: comment(&self.contract),
+                title: comment(&self.origin.title),
                 timing,
                 enable: &own.enable,
                 error: &own.error,
                 error_id: &own.error_id,
                 reset: &own.reset,
+                usage: self.origin.usage.iter().map(|text| comment(text)).collect(),
                 assumptions: list(&self.specification.assumptions),
                 guarantees: list(&self.specification.guarantees),
             },

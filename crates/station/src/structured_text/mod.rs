@@ -21,6 +21,7 @@ mod plcopen;
 pub(super) mod tables;
 mod text;
 
+use crate::emit::controller::Origin;
 use interface::Interface;
 use linewright_core::gr1::Specification;
 use linewright_solver::mealy;
@@ -161,7 +162,20 @@ fn literal(value: i64) -> String {
 
 /// Creates the function block of a controller of this specification.
 pub fn block(controller: &mealy::Controller, specification: &Specification) -> Block {
-    let mut interface = Interface::new(controller, specification);
+    block_from(
+        controller,
+        specification,
+        &Origin::contract(controller.name()),
+    )
+}
+
+/// Like [`block`], for a controller of any origin.
+pub fn block_from(
+    controller: &mealy::Controller,
+    specification: &Specification,
+    origin: &Origin,
+) -> Block {
+    let mut interface = Interface::new(controller, specification, origin);
     match controller {
         mealy::Controller::Machine(machine) => {
             let parts = if machine::is_short(machine) {
@@ -182,7 +196,8 @@ pub fn block(controller: &mealy::Controller, specification: &Specification) -> B
 #[doc(hidden)]
 pub fn block_with_tables(machine: &mealy::Machine, specification: &Specification) -> Block {
     let controller = mealy::Controller::Machine(machine.clone());
-    let mut interface = Interface::new(&controller, specification);
+    let origin = Origin::contract(&machine.name);
+    let mut interface = Interface::new(&controller, specification, &origin);
     let parts = tables::parts(&mut interface, machine, specification);
     interface.finish(parts)
 }

@@ -1,9 +1,13 @@
-/* The controller of the contract @{contract}, synthesized and verified by linewright.
+/* The controller of @{title}, synthesized and verified by linewright.
 @ if moore
  * The outputs of a step do not depend on its inputs.
 @ else
  * The outputs of a step can depend on its inputs.
 @ endif
+@ for paragraph in usage
+ *
+ * @{paragraph}
+@ endfor
  */
 #ifndef LINEWRIGHT_@{name}_H
 #define LINEWRIGHT_@{name}_H

@@ -1,4 +1,4 @@
-/* The controller of the contract @{contract}, synthesized and verified by linewright.
+/* The controller of @{title}, synthesized and verified by linewright.
  *
  *     cc -std=c99 -O2 -c @{name}.c
  */
