@@ -17,7 +17,7 @@ use crate::engine::files::LoadedFiles;
 use crate::engine::output;
 use crate::engine::pipeline::Verdict;
 use crate::engine::recipes::{self, Aim, Decision, Solution, words};
-use crate::recipe::controller::{Controller, Leg, Move, Position, Subject, Vector};
+use crate::recipe::controller::{Controller, Leg, Move, Position, Subject};
 use crate::recipe::model::{Layout, Recipe, Resource};
 use crate::recipe::plan::{Objective, Plan};
 use clap::{Args, ValueEnum};
@@ -394,18 +394,8 @@ fn plan(layout: &Layout, recipe: &Recipe, controller: &Controller) -> RecipePlan
     }
 }
 
-/// Returns the vectors of a leg, each with the number of the recipe's steps before it.
-fn numbered(leg: &Leg) -> impl Iterator<Item = (usize, &Vector)> {
-    let mut performed = 0;
-    leg.vectors.iter().map(move |vector| {
-        let step = performed;
-        performed += usize::from(words::performs_step(vector));
-        (step, vector)
-    })
-}
-
 fn vectors(layout: &Layout, recipe: &Recipe, leg: &Leg) -> Vec<Vec<MoveEntry>> {
-    let shown = numbered(leg).map(|(step, vector)| {
+    let shown = words::numbered(leg).map(|(step, vector)| {
         let calls = (recipe.transitions[leg.transition].steps.get(step))
             .map_or(&[][..], |s| s.operations.as_slice());
         let shown = |m: &Move| {
@@ -459,7 +449,7 @@ fn text(loaded: &LoadedFiles, realization: &Realization, decision: &Decision) ->
             };
             let steps = count(leg.vectors.len(), "step");
             let _ = writeln!(text, "\n{transition}{which}: {steps}");
-            for (at, (step, vector)) in numbered(leg).enumerate() {
+            for (at, (step, vector)) in words::numbered(leg).enumerate() {
                 let moves = words::vector(layout, recipe, leg.transition, step, vector);
                 let _ = writeln!(text, "{:>4}  {}", at + 1, moves.join("; "));
             }

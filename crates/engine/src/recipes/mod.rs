@@ -9,6 +9,7 @@ mod causes;
 mod documents;
 mod findings;
 pub mod import;
+pub mod machine;
 mod relaxed;
 pub mod run;
 mod several;

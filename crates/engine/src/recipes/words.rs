@@ -1,7 +1,7 @@
 //! Recipes, layouts and what resources do, in the words of the language.
 
 use linewright_language::contract::recipe::Realization;
-use linewright_recipe::controller::{Move, Subject, Vector};
+use linewright_recipe::controller::{Leg, Move, Subject, Vector};
 use linewright_recipe::model::{Action, Guard, Layout, OperationCall, Recipe, RecipeTransition};
 use linewright_recipe::repair::Change;
 
@@ -96,8 +96,18 @@ pub fn vector(
     shown
 }
 
+/// Returns the vectors of a leg, each with the number of the recipe's steps before it.
+pub fn numbered(leg: &Leg) -> impl Iterator<Item = (usize, &Vector)> {
+    let mut performed = 0;
+    leg.vectors.iter().map(move |vector| {
+        let step = performed;
+        performed += usize::from(performs_step(vector));
+        (step, vector)
+    })
+}
+
 /// Whether a vector performs operations of the recipe, and so one of its steps.
-pub fn performs_step(vector: &Vector) -> bool {
+fn performs_step(vector: &Vector) -> bool {
     let is_operation = |m: &Move| matches!(m.subject, Subject::Operation(_));
     vector.moves.iter().any(is_operation)
 }
