@@ -65,7 +65,7 @@ pub struct Arguments {
 pub enum Command {
     /// Check contracts, machines, lines and recipes
     Check(check::Arguments),
-    /// Synthesize a controller from a contract
+    /// Synthesize a controller from a contract or a recipe
     Synth(synth::Arguments),
     /// Draw controllers, machines and lines as SVG
     Draw(draw::Arguments),

@@ -7,7 +7,8 @@ use crate::contract::Contract;
 use crate::contract::set::{Owner, SettableNumber, Setting, Settings};
 use crate::diagnostics::{codes, has_errors};
 use crate::engine::files::{self, LoadedFiles};
-use crate::source::Span;
+use crate::source::{SourceMap, Span};
+use std::collections::BTreeSet;
 
 /// A path, and optionally the name of a declaration in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -87,8 +88,9 @@ impl Selection {
         Self::if_valid(self.read_set(settings, options), command, options)
     }
 
-    /// Like [`Selection::load`], for a command that needs only the declaration with that name:
-    /// findings in other declarations are dropped, unless a file cannot be read or parsed.
+    /// Like [`Selection::load`], for a command that needs only the declaration with that name, or
+    /// the statements `realize` with it and what they name: findings in other declarations are
+    /// dropped, unless a file cannot be read or parsed.
     pub fn load_alone(
         &self,
         command: &str,
@@ -97,13 +99,14 @@ impl Selection {
         let mut loaded = self.read(options);
         if let Some(name) = &self.name {
             let sources = &loaded.library.sources;
+            let needed = needed(sources, name);
             let foreign: Vec<_> = loaded.foreign.iter().map(|f| f.file).collect();
             loaded.findings.retain(|f| {
                 let elsewhere = f.span.is_some_and(|span| {
                     !foreign.contains(&span.file)
                         && outline::declarations(sources, span.file)
                             .iter()
-                            .any(|d| d.holds(span) && d.name != *name)
+                            .any(|d| d.holds(span) && !needed.contains(&d.name))
                 });
                 !elsewhere || f.code.id < codes::NAME_UNKNOWN.id
             });
@@ -204,6 +207,22 @@ impl Selection {
         }
         Ok(picked)
     }
+}
+
+/// The names of the declarations that a selected name needs: itself, and the statements `realize`
+/// with it as recipe or layout, with their recipes and layouts.
+fn needed(sources: &SourceMap, name: &str) -> BTreeSet<String> {
+    let mut needed = BTreeSet::from([name.to_owned()]);
+    for (file, _) in sources.files() {
+        for declaration in outline::declarations(sources, file) {
+            let mut words = declaration.name.split([' ', ',']);
+            if declaration.kind == outline::Kind::Realize && words.clone().any(|w| w == name) {
+                needed.extend(words.by_ref().map(str::to_owned));
+                needed.insert(declaration.name.clone());
+            }
+        }
+    }
+    needed
 }
 
 #[cfg(test)]

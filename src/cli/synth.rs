@@ -1,10 +1,13 @@
 //! `linewright synth`: writes verified controllers, counterstrategies, or specifications for other
 //! tools.
 
+mod recipes;
+
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::page::{self, PageFile};
 use super::pictures;
+use super::recipe::subject;
 use super::results::{Results, file_name};
 use super::select::Selection;
 use crate::contract::Contract;
@@ -19,7 +22,7 @@ use crate::interchange::{self, Target};
 use crate::mealy;
 use crate::report::html::controller::{self, Opponent};
 use crate::source::Span;
-use crate::station::emit::controller as c_files;
+use crate::station::emit::controller::{self as c_files, Origin};
 use crate::station::structured_text;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -32,18 +35,20 @@ const EXAMPLES: &str = "Examples:
     linewright synth contracts/handling/turn.lw --report turn.html
     linewright synth contracts/handling/turn.lw --emit spc
     linewright synth --counterstrategy --emit json examples/repair-me/1-clash.lw
+    linewright synth examples/pad/hinge.lw::Hinge --emit st
 
 A controller is verified against its contract before it is written. A controller with too many \
 states is written as a symbolic controller (Boolean functions); its forms are json, c, st and \
 plcopen. `--emit spc`, `slugsin`, `spectra` and `tlsf` write the specification for other tools \
-and need no controller.";
+and need no controller. For a statement `realize`, the controller tells each resource what to do \
+next; its forms are json, c, st, plcopen, dot and svg.";
 
 /// The arguments of `synth`.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, after_long_help = pictures::below(EXAMPLES, pictures::SYNTH))]
 pub struct Arguments {
-    /// File, and optionally one of its contracts [default: all of them]. The file can also be a
-    /// specification for gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or
+    /// File, and optionally one of its contracts, or a recipe or layout of its statements `realize`
+    /// [default: all contracts and statements]. The file can also be a specification for gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or
     /// one in TLSF (.tlsf)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
@@ -157,11 +162,19 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let library = &loaded.library;
-    let contracts = arguments
-        .selection
-        .pick(&loaded, "contract", &library.contracts, |c| {
-            (&c.name, c.span)
-        })?;
+    let realizations = subject::find(&arguments.selection, &loaded);
+    let contracts = if realizations.is_empty() {
+        arguments
+            .selection
+            .pick(&loaded, "contract", &library.contracts, |c| {
+                (&c.name, c.span)
+            })?
+    } else {
+        arguments
+            .selection
+            .find(&loaded, &library.contracts, |c| (&c.name, c.span))
+    };
+    recipes::check_arguments(arguments, &realizations)?;
     if arguments.report.is_some() {
         let selection = &arguments.selection;
         selection.only(&contracts, "a report shows only one contract")?;
@@ -193,7 +206,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         );
     }
     let files: usize = forms.iter().map(|e| e.files()).sum();
-    let results = contracts.len() * files;
+    let results = (contracts.len() + realizations.len()) * files;
     Results::check_count(results, arguments.out.as_deref())?;
 
     let mut findings = loaded.findings.clone();
@@ -263,7 +276,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             continue;
         };
         for emit in &controllers {
-            match write_files(controller, *emit, &contract.specification, contract.span) {
+            let synthesized = Synthesized {
+                controller,
+                specification: &contract.specification,
+                origin: Origin::contract(&contract.name),
+                span: contract.span,
+            };
+            match write_files(&synthesized, *emit) {
                 Ok(files) => {
                     findings.extend(written.add(&contract.name, contract.span, files));
                 }
@@ -271,7 +290,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
-    let mut code = ExitCode::Success;
+    let mut code = recipes::write(
+        &loaded,
+        &realizations,
+        &controllers,
+        options,
+        &mut written,
+        &mut findings,
+    );
     if let (Some(file), [contract], [index]) = (page_file, contracts.as_slice(), indices.as_slice())
         && let Some(opponent) = opponent(&checked[*index], arguments.counterstrategy)
     {
@@ -282,7 +308,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             opponent,
             origin: page::origin(&command, &library.sources, &findings),
         };
-        code = file.write(&controller::page(&page), console, &library.sources)?;
+        code = code.and(file.write(&controller::page(&page), console, &library.sources)?);
     }
     let written = written.finish(
         "synth",
@@ -337,19 +363,34 @@ pub(super) fn request(jobs: &mut Jobs, loaded: &LoadedFiles, contract: &Contract
     }
 }
 
+/// A controller that is written.
+struct Synthesized<'a> {
+    controller: &'a mealy::Controller,
+    specification: &'a Specification,
+    origin: Origin,
+    /// Place of the contract or of the statement.
+    span: Span,
+}
+
 /// The names and texts of a controller's files in one form.
 ///
 /// # Errors
 /// LW204: the form cannot represent the controller, or would be too large.
 fn write_files(
-    controller: &mealy::Controller,
+    synthesized: &Synthesized<'_>,
     emit: Emit,
-    specification: &Specification,
-    span: Span,
 ) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
+    let Synthesized {
+        controller,
+        specification,
+        origin,
+        span,
+    } = synthesized;
     if emit == Emit::C {
         let files = match controller {
-            mealy::Controller::Machine(machine) => c_files::of_machine(machine, specification),
+            mealy::Controller::Machine(machine) => {
+                c_files::of_machine_from(machine, specification, origin)
+            }
             mealy::Controller::Functions(functions) => c_files::of_functions(functions),
         };
         let name = &files.name;
@@ -359,7 +400,7 @@ fn write_files(
         ]);
     }
     if matches!(emit, Emit::St | Emit::Plcopen) {
-        let block = structured_text::block(controller, specification);
+        let block = structured_text::block_from(controller, specification, origin);
         let text = match emit {
             Emit::St => block.to_text(),
             _ => block.to_plcopen(),
@@ -378,7 +419,7 @@ fn write_files(
         mealy::Controller::Functions(functions) => {
             let name = &functions.name;
             let message = format!("the controller of `{name}` has too many states for this form");
-            let finding = Diagnostic::error(codes::GAVE_UP, span, message);
+            let finding = Diagnostic::error(codes::GAVE_UP, *span, message);
             return Err(Box::new(
                 finding.with_help("use --emit json, c, st or plcopen"),
             ));

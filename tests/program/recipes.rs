@@ -788,3 +788,85 @@ fn repairs_are_listed_in_words_of_the_language() {
     let (_, _, sets) = repairs("cut.lw --only routes");
     assert_eq!(sets, ["transport r5: r3 -> r2"]);
 }
+
+/// `synth` writes the controllers of recipes like those of contracts, and says what it cannot.
+#[test]
+fn synth_writes_the_controllers_of_recipes() {
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    let (code, printed) = text(folder, "synth examples/pad/hinge.lw::Hinge");
+    assert_eq!(code, 0);
+    let machine: Value = serde_json::from_str(&printed).expect("a document");
+    let names = |ports: &Value| -> Vec<String> {
+        let ports = ports.as_array().expect("ports").iter();
+        ports
+            .map(|p| p["name"].as_str().expect("a name").to_owned())
+            .collect()
+    };
+    assert_eq!(machine["name"], "Hinge_on_Pad");
+    assert_eq!(machine["verified"], true);
+    assert_eq!(
+        names(&machine["inputs"]),
+        ["done", "visionOk_h2", "forceOk_h2"]
+    );
+    assert_eq!(
+        names(&machine["outputs"]),
+        ["r1", "r2", "r3", "r4", "r5", "finished"]
+    );
+    let forms = "--emit st --emit plcopen --emit c --emit dot --emit svg --emit gr1c --out made";
+    let (code, _) = text(folder, &format!("synth examples/pad/six.lw::Six {forms}"));
+    assert_eq!(code, 0);
+    for ending in ["st", "xml", "c", "h", "dot", "svg", "gr1c.json"] {
+        let name = format!("made/Hinge_on_Six.{ending}");
+        assert!(folder.join(&name).is_file(), "{name}");
+    }
+
+    // A file with both.
+    let lamp = "contract Lamp { output on: bool\n guarantee on: always on }\n";
+    let pad = "import \"examples/pad/hinge.lw\"\n";
+    let both = format!("{pad}{lamp}realize Hinge on Pad\n");
+    std::fs::write(folder.join("both.lw"), both).expect("a file");
+    let (code, _) = text(folder, "synth both.lw --out both");
+    assert_eq!(code, 0);
+    assert!(folder.join("both/Lamp.json").is_file());
+    assert!(folder.join("both/Hinge_on_Pad.json").is_file());
+    let (code, printed) = text(folder, "synth both.lw::Lamp --counterstrategy");
+    assert_eq!((code, printed.as_str()), (2, ""));
+    let (code, _) = text(folder, "synth both.lw::Lamp --emit spc");
+    assert_eq!(code, 0);
+    for (argument, reason) in [
+        ("--counterstrategy", "has no counterstrategy"),
+        ("--report page.html", "has no report"),
+        ("--emit spc", "has no GR(1) specification"),
+    ] {
+        let line = format!("synth both.lw {argument} --out both");
+        let arguments: Vec<&str> = line.split_whitespace().collect();
+        let output = linewright(folder, &arguments);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(errors.contains(reason), "{errors}");
+        assert_eq!(output.status.code(), Some(2));
+    }
+
+    // Findings are those of `recipe plan`.
+    let (code, failed) = document(folder, "synth examples/pad/parallel.lw::Pad");
+    assert_eq!(code, 1);
+    assert_eq!(failed["findings"][0]["code"], "LW611");
+    let (_, planned) = document(folder, "recipe plan examples/pad/parallel.lw::Pad");
+    assert_eq!(failed["findings"], planned["plans"][0]["findings"]);
+
+    // What the selected recipe needs has to be right.
+    let broken = "layout Bad { resource r at s0 { s0 -> s0: make; nop s1 } }
+recipe R { part p; start a; a -> b: make()(p); end b; leftover p }
+realize R on Bad\n";
+    std::fs::write(folder.join("broken.lw"), broken).expect("a file");
+    let (code, failed) = document(folder, "synth broken.lw::R");
+    assert_eq!(code, 1);
+    assert_eq!(failed["findings"][0]["code"], "LW101");
+
+    // Two results with one name.
+    let twice = format!("{pad}realize Hinge on Pad\nrealize Hinge on Pad\n");
+    std::fs::write(folder.join("twice.lw"), twice).expect("a file");
+    let (code, failed) = document(folder, "synth twice.lw --out twice");
+    assert_eq!(code, 1);
+    assert_eq!(failed["findings"][0]["code"], "LW504");
+}

@@ -7,7 +7,7 @@ mod repair;
 mod run;
 mod schedule;
 mod stations;
-mod subject;
+pub(super) mod subject;
 mod topology;
 
 use super::console::Failed;

@@ -74,43 +74,49 @@ pub(super) fn realizations<'l>(
     selection: &Selection,
     loaded: &'l LoadedFiles,
 ) -> anyhow::Result<Vec<&'l Realization>> {
-    let library = &loaded.library;
     let path = &selection.path;
-    let is_own = |r: &&Realization| {
+    let found = find(selection, loaded);
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let Some(name) = &selection.name else {
+        anyhow::bail!("{path} has no statement `realize`: write `realize RECIPE on LAYOUT`");
+    };
+    let known: Vec<&str> = own(loaded).flat_map(names).collect();
+    anyhow::bail!(
+        "{path} has no statement `realize` with a recipe or layout `{name}`: they have {}",
+        known.join(", ")
+    );
+}
+
+/// Like [`realizations`], but there may be none.
+pub(in crate::cli) fn find<'l>(
+    selection: &Selection,
+    loaded: &'l LoadedFiles,
+) -> Vec<&'l Realization> {
+    let wanted = selection.name.as_deref();
+    own(loaded)
+        .filter(|r| wanted.is_none_or(|name| names(r).any(|own| own == name)))
+        .collect()
+}
+
+/// The statements that the files themselves have.
+fn own(loaded: &LoadedFiles) -> impl Iterator<Item = &Realization> {
+    let library = &loaded.library;
+    library.realizations.iter().filter(|r| {
         let file = &library.sources.file(r.span.file).name;
         loaded.roots.contains(file)
-    };
-    let own: Vec<&Realization> = library.realizations.iter().filter(is_own).collect();
-    let Some(name) = &selection.name else {
-        anyhow::ensure!(
-            !own.is_empty(),
-            "{path} has no statement `realize`: write `realize RECIPE on LAYOUT`"
-        );
-        return Ok(own);
-    };
-    let has_name = |r: &&&Realization| {
-        r.layout == *name || r.recipes.iter().any(|wanted| wanted.name == *name)
-    };
-    let named: Vec<&Realization> = own.iter().filter(has_name).copied().collect();
-    if named.is_empty() {
-        let known: Vec<String> = (own.iter())
-            .flat_map(|r| {
-                r.recipes
-                    .iter()
-                    .map(|w| w.name.clone())
-                    .chain([r.layout.clone()])
-            })
-            .collect();
-        anyhow::bail!(
-            "{path} has no statement `realize` with a recipe or layout `{name}`: they have {}",
-            known.join(", ")
-        );
-    }
-    Ok(named)
+    })
+}
+
+/// The recipes of a statement, and its layout.
+fn names(realization: &Realization) -> impl Iterator<Item = &str> {
+    let recipes = realization.recipes.iter().map(|w| w.name.as_str());
+    recipes.chain([realization.layout.as_str()])
 }
 
 /// Returns the layout of a statement, and its recipe if it asks for one product only.
-pub(super) fn models<'l>(
+pub(in crate::cli) fn models<'l>(
     loaded: &'l LoadedFiles,
     realization: &Realization,
 ) -> (Option<&'l Layout>, Option<&'l Recipe>) {
