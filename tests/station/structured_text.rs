@@ -4,7 +4,7 @@
 mod hostile;
 mod mutated;
 mod others;
-mod play;
+pub mod play;
 mod played;
 mod plcopen;
 mod rules;
