@@ -48,8 +48,8 @@ next; its forms are json, c, st, plcopen, dot and svg.";
 #[command(after_help = EXAMPLES, after_long_help = pictures::below(EXAMPLES, pictures::SYNTH))]
 pub struct Arguments {
     /// File, and optionally one of its contracts, or a recipe or layout of its statements `realize`
-    /// [default: all contracts and statements]. The file can also be a specification for gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or
-    /// one in TLSF (.tlsf)
+    /// [default: all contracts and statements]. The file can also be a specification for gr1c
+    /// (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or one in TLSF (.tlsf)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// Output form (repeatable) [default: json, or none with --report]

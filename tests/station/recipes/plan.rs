@@ -27,13 +27,13 @@ pub fn compare(made: &Made) -> usize {
         for vector in plan.iter().chain(&[None, None]).take(MAX_VECTORS) {
             let taken = made.built.machine.step(state, &inputs).expect("a step");
             state = Some(taken.to);
-            let (finished, told) = taken.output.split_last().expect("outputs");
+            let (finished, values) = taken.output.split_last().expect("outputs");
             assert_eq!(*finished == 1, vector.is_none(), "{:?}", made.recipe);
-            for (at, label) in told.iter().enumerate() {
+            for (at, value) in values.iter().enumerate() {
                 let Domain::Enum { labels, .. } = &made.built.machine.outputs[at].domain else {
                     panic!("an output of a resource has labels");
                 };
-                let label = &labels[*label as usize];
+                let label = &labels[*value as usize];
                 let m = vector.iter().flatten().find(|(m, _)| m.resource == at);
                 let wanted = m.map_or("wait".to_owned(), |(m, needs)| spelled(made, m, needs));
                 // A number after a label tells it from another one.

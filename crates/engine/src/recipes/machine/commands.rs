@@ -1,9 +1,9 @@
-//! What resources are told: the labels of the outputs of a machine.
+//! Commands to resources: the labels of the outputs of a machine.
 
 use linewright_recipe::controller::{Move, Subject};
 use linewright_recipe::model::{Action, Layout, OperationCall, Recipe, Resource, Step};
 
-/// What a resource is told to do, unless it is to wait.
+/// What a resource has to do, unless it has to wait.
 ///
 /// With its own state and what it holds, this determines what the resource does.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,7 +21,7 @@ pub struct Command {
 }
 
 impl Command {
-    /// Returns what a move tells its resource. `step` is the next step of the recipe.
+    /// Returns the command for a move. `step` is the next step of the recipe.
     pub(super) fn of(layout: &Layout, recipe: &Recipe, m: &Move, step: Option<&Step>) -> Self {
         let resource = &layout.resources[m.resource];
         let taken = &resource.transitions[m.transition];

@@ -43,7 +43,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Returns what a label tells a resource, and its action; `None` for `wait`.
+    /// Returns the command of a label, and its action; `None` for `wait`.
     pub fn command(&self, at: usize, label: i64) -> Option<(&Command, &Action)> {
         let index = usize::try_from(label).ok()?.checked_sub(1)?;
         let command = self.of.commands[at].get(index)?;
@@ -52,14 +52,14 @@ impl Execution<'_> {
     }
 
     /// Returns what a vector can lead to; nothing if it is impossible.
-    pub fn apply(&self, before: &Progress, told: &[i64]) -> Vec<Progress> {
+    pub fn apply(&self, before: &Progress, labels: &[i64]) -> Vec<Progress> {
         let resources = &self.layout.resources;
         let mut after = before.cell.clone();
         let (mut given, mut taking, mut acting) = (Vec::new(), Vec::new(), Vec::new());
         for (at, resource) in resources.iter().enumerate() {
             let state = &resource.states[before.cell.states[at]];
-            let Some((command, action)) = self.command(at, told[at]) else {
-                if told[at] != 0 || !state.may_wait {
+            let Some((command, action)) = self.command(at, labels[at]) else {
+                if labels[at] != 0 || !state.may_wait {
                     return Vec::new();
                 }
                 continue;

@@ -1,14 +1,15 @@
 //! The controller of a recipe as a machine, which synthesis writes like that of a contract.
 //!
-//! The outputs of a step are a vector: what each resource is told. Step 0 begins the first vector.
-//! In every later step the machine reads `done`: whether all resources have finished what they were
-//! told. If so, the step begins the next vector; if not, it repeats the outputs of the step before.
+//! The outputs of a step are a vector: a command for each resource. Step 0 begins the first vector.
+//! In every later step the machine reads `done`: whether all resources have carried out their
+//! commands. If so, the step begins the next vector; if not, it repeats the outputs of the step
+//! before.
 //! In lockstep, `done` is always true and each step is a vector.
 //!
 //! A test of the recipe is an input. It is read in the step that begins the first vector after it,
 //! when all that comes before it in the recipe has been done. Of several guards that hold, the
 //! first in the text counts, and `otherwise` comes after all others. The step after the last vector
-//! sets `finished` and tells all resources to wait; so do all later steps.
+//! sets `finished` and commands all resources to wait; so do all later steps.
 //!
 //! There is a transition for all inputs, and about one state for each vector: the vector that the
 //! resources perform.
@@ -38,8 +39,8 @@ const DONE: usize = 0;
 /// A controller of a recipe as a machine, with the meaning of its ports.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecipeMachine {
-    /// The machine. Its inputs are `done` and the tests, its outputs what each resource is told and
-    /// `finished`.
+    /// The machine. Its inputs are `done` and the tests; its outputs are the commands of the
+    /// resources, and `finished`.
     pub machine: Machine,
     /// For each resource, what its labels after `wait` stand for.
     pub commands: Vec<Vec<Command>>,
@@ -90,9 +91,9 @@ impl RecipeMachine {
         let finished = finished.map_or("", |port| port.name.as_str());
         let mut usage = vec![
             format!(
-                "An output of a resource is what it is told: to wait, an operation, or to take or give a part. Step 0 begins the \
-                 first vector. A later step begins the next vector if {done} is true: all resources have finished what they were \
-                 told. Otherwise it repeats the outputs."
+                "The output of a resource is its command: to wait, an operation, or to take or give a part. Step 0 begins the \
+                 first vector. A later step begins the next vector if {done} is true: all resources have carried out their \
+                 commands. Otherwise it repeats the outputs."
             ),
             format!("After the last vector, {finished} is true and stays so."),
         ];
@@ -140,8 +141,8 @@ impl RecipeMachine {
 /// Values of tests, by the index of the input.
 type Outcomes = BTreeMap<usize, bool>;
 
-/// What each resource is told in a vector; `None` is to wait.
-type Told = Vec<Option<Command>>;
+/// A vector: the command of each resource; `None` is to wait.
+type Commands = Vec<Option<Command>>;
 
 /// A controller on its way to a machine.
 struct Conversion<'a> {
@@ -157,10 +158,10 @@ struct Conversion<'a> {
 
 /// Returns a controller as a machine.
 fn convert(layout: &Layout, recipe: &Recipe, controller: &Controller) -> RecipeMachine {
-    let (first, told) = flatten(layout, recipe, controller);
+    let (first, vectors) = flatten(layout, recipe, controller);
     let commands: Vec<Vec<Command>> = (0..layout.resources.len())
         .map(|at| {
-            let all: BTreeSet<&Command> = told.iter().filter_map(|t| t[at].as_ref()).collect();
+            let all: BTreeSet<&Command> = vectors.iter().filter_map(|v| v[at].as_ref()).collect();
             all.into_iter().cloned().collect()
         })
         .collect();
@@ -168,8 +169,8 @@ fn convert(layout: &Layout, recipe: &Recipe, controller: &Controller) -> RecipeM
         let known = command.as_ref().map(|c| commands[at].binary_search(c));
         known.map_or(0, |found| found.unwrap_or_default() as i64 + 1)
     };
-    let mut outputs: Vec<Vec<i64>> = (told.iter())
-        .map(|t| t.iter().enumerate().map(value).chain([0]).collect())
+    let mut outputs: Vec<Vec<i64>> = (vectors.iter())
+        .map(|v| v.iter().enumerate().map(value).chain([0]).collect())
         .collect();
     outputs.push([vec![0; layout.resources.len()], vec![1]].concat());
     let conversion = Conversion {
@@ -179,9 +180,10 @@ fn convert(layout: &Layout, recipe: &Recipe, controller: &Controller) -> RecipeM
         first,
         outputs,
     };
-    let (inputs, outputs) = ports(layout, &commands, &conversion.tests);
+    let name = format!("{}_on_{}", recipe.name, layout.name);
+    let (inputs, outputs) = ports(&name, layout, &commands, &conversion.tests);
     let machine = Machine {
-        name: format!("{}_on_{}", recipe.name, layout.name),
+        name,
         timing: Timing::Mealy,
         inputs,
         outputs,
@@ -196,31 +198,31 @@ fn convert(layout: &Layout, recipe: &Recipe, controller: &Controller) -> RecipeM
     }
 }
 
-/// Returns what the resources are told in the vectors of all legs, one after the other, and for
+/// Returns the commands of the vectors of all legs, one after the other, and for
 /// each leg the index of its first vector.
 fn flatten(
     layout: &Layout,
     recipe: &Recipe,
     controller: &Controller,
-) -> (Vec<Vec<usize>>, Vec<Told>) {
-    let (mut first, mut told) = (Vec::new(), Vec::new());
+) -> (Vec<Vec<usize>>, Vec<Commands>) {
+    let (mut first, mut vectors) = (Vec::new(), Vec::new());
     for position in &controller.positions {
         let mut own = Vec::new();
         for leg in &position.legs {
-            own.push(told.len());
+            own.push(vectors.len());
             let steps = &recipe.transitions[leg.transition].steps;
             for (performed, vector) in words::numbered(leg) {
-                let mut commands: Told = vec![None; layout.resources.len()];
+                let mut commands: Commands = vec![None; layout.resources.len()];
                 for m in &vector.moves {
                     let command = Command::of(layout, recipe, m, steps.get(performed));
                     commands[m.resource] = Some(command);
                 }
-                told.push(commands);
+                vectors.push(commands);
             }
         }
         first.push(own);
     }
-    (first, told)
+    (first, vectors)
 }
 
 /// Returns the tests of a recipe in the order of the text, each once.
@@ -243,6 +245,7 @@ fn tests(recipe: &Recipe) -> Vec<RecipeTest> {
 /// Returns the inputs and the outputs. All names are different; on a conflict, those of the
 /// resources stay.
 fn ports(
+    machine: &str,
     layout: &Layout,
     commands: &[Vec<Command>],
     tests: &[RecipeTest],
@@ -261,7 +264,8 @@ fn ports(
             let others = commands.iter();
             let others = others.map(|c| labels.unique(&word(&c.label(resource))));
             let labels = std::iter::once(wait).chain(others).collect();
-            port(&resource.name, Domain::Enum { name: None, labels })
+            let name = Some(format!("{machine}_{}", word(&resource.name)));
+            port(&resource.name, Domain::Enum { name, labels })
         })
         .collect();
     outputs.push(port("finished", Domain::Bool));

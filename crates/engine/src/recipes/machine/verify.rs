@@ -4,7 +4,7 @@
 //! with the replay of controllers, or with the conversion. A machine does not say which part of the
 //! recipe it performs. So everything that its vectors can mean is followed at once, as in the
 //! subset construction: the machine is right if there is always a meaning, if it repeats what it
-//! has told until that is done, and if it does not go on for ever without an operation.
+//! commands until that is done, and if no loop of it is without an operation.
 
 use super::execution::{Cell, Execution, Progress};
 use super::{DONE, Outcomes, RecipeMachine};
@@ -35,7 +35,7 @@ pub enum MachineFault {
 struct Node {
     state: Option<usize>,
     /// Outputs of the last step.
-    told: Option<Vec<i64>>,
+    outputs: Option<Vec<i64>>,
     /// All that its vectors can mean.
     meanings: BTreeSet<Progress>,
 }
@@ -94,7 +94,7 @@ pub fn verify(layout: &Layout, recipe: &Recipe, of: &RecipeMachine) -> Result<()
     let execution = Execution { layout, recipe, of };
     let start = Node {
         state: None,
-        told: None,
+        outputs: None,
         meanings: BTreeSet::from([execution.start()]),
     };
     let mut nodes = vec![start.clone()];
@@ -144,7 +144,7 @@ fn has_loop(successors: &[Vec<usize>]) -> bool {
 impl Execution<'_> {
     /// Returns the nodes after a step that begins a vector, and whether it performs an operation.
     fn successors(&self, node: &Node) -> Result<Vec<(Node, bool)>, MachineFault> {
-        let Some(told) = &node.told else {
+        let Some(outputs) = &node.outputs else {
             return for_all(Outcomes::new(), |inputs| self.follow(node, inputs));
         };
         let held = |inputs: &Inputs| {
@@ -152,14 +152,14 @@ impl Execution<'_> {
                 Ok(taken) => taken,
                 Err(fault) => return Some(Err(fault)),
             };
-            let is_held = taken.output == *told && Some(taken.to) == node.state;
+            let is_held = taken.output == *outputs && Some(taken.to) == node.state;
             Some(
                 is_held
                     .then_some(())
                     .ok_or(MachineFault::NotHeld(node.state)),
             )
         };
-        if told.last() == Some(&1) {
+        if outputs.last() == Some(&1) {
             for_all(Outcomes::new(), held)?;
             return Ok(Vec::new());
         }
@@ -193,20 +193,20 @@ impl Execution<'_> {
         Some(Err(MachineFault::Incomplete(state, inputs.known.clone())))
     }
 
-    /// Returns the node after a step that begins a vector or ends the recipe, and whether the vector
+    /// Returns the node after a step that begins a vector or ends the recipe, and whether the step
     /// performs an operation; `None` if that depends on another input.
     fn follow(&self, node: &Node, inputs: &Inputs) -> Option<Result<(Node, bool), MachineFault>> {
         let taken = match self.step(node.state, inputs)? {
             Ok(taken) => taken,
             Err(fault) => return Some(Err(fault)),
         };
-        let (finished, told) = taken.output.split_last()?;
+        let (finished, labels) = taken.output.split_last()?;
         let mut meanings = BTreeSet::new();
         for one in &node.meanings {
             for begun in self.begin(one, inputs)? {
                 if *finished == 0 {
-                    meanings.extend(self.apply(&begun, told));
-                } else if self.is_end(&begun) && told.iter().all(|label| *label == 0) {
+                    meanings.extend(self.apply(&begun, labels));
+                } else if self.is_end(&begun) && labels.iter().all(|label| *label == 0) {
                     meanings.insert(begun);
                 }
             }
@@ -217,10 +217,10 @@ impl Execution<'_> {
         }
         let next = Node {
             state: Some(taken.to),
-            told: Some(taken.output.clone()),
+            outputs: Some(taken.output.clone()),
             meanings,
         };
-        let performs = (told.iter().enumerate()).any(|(at, label)| {
+        let performs = (labels.iter().enumerate()).any(|(at, label)| {
             let command = self.command(at, *label);
             command.is_some_and(|(_, action)| matches!(action, Action::Operation(_)))
         });
