@@ -225,7 +225,6 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         arguments.gantt.is_none() || arguments.least != Least::Steps,
         "--gantt shows times, and steps have none: add `--least time`, `energy` or `transfers`"
     );
-    let is_many = |r: &Realization| r.recipes.len() > 1 || r.recipes.iter().any(|w| w.count > 1);
     let objective = Objective::from(arguments.least);
     let loaded = match objective {
         Objective::Time | Objective::Energy => subject::load_timed,
@@ -244,7 +243,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     );
     anyhow::ensure!(
         arguments.emit.is_none()
-            || objective == Objective::Steps && !selected.iter().any(|r| is_many(r)),
+            || objective == Objective::Steps && selected.iter().all(|r| r.is_single()),
         "--emit b2mml writes plans of one product with least steps: select one with FILE::NAME, without `--least`"
     );
     let aim = Aim {

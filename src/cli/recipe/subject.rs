@@ -122,7 +122,7 @@ pub(in crate::cli) fn models<'l>(
 ) -> (Option<&'l Layout>, Option<&'l Recipe>) {
     let layout = loaded.library.layout_at(realization.layout_declared);
     let recipe = match recipes(loaded, realization).as_slice() {
-        [recipe] if realization.recipes[0].count == 1 => Some(*recipe),
+        [recipe] if realization.is_single() => Some(*recipe),
         _ => None,
     };
     (layout, recipe)

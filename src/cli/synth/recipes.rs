@@ -3,12 +3,12 @@
 use super::{Arguments, Emit, Synthesized, write_files};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
-use crate::cli::recipe::{code_of, subject};
+use crate::cli::recipe::subject;
 use crate::cli::results::Results;
 use crate::contract::recipe::Realization;
 use crate::diagnostics::Diagnostic;
 use crate::engine::files::LoadedFiles;
-use crate::engine::recipes::{self, machine, words};
+use crate::engine::recipes::{self, Solution, machine, words};
 use crate::mealy::Controller;
 
 /// Fails if an argument makes no sense for a recipe.
@@ -19,6 +19,12 @@ pub(super) fn check_arguments(
     let Some(first) = realizations.first() else {
         return Ok(());
     };
+    if let Some(many) = realizations.iter().find(|r| !r.is_single()) {
+        anyhow::bail!(
+            "`{}` asks for several products, and a controller makes one: `linewright recipe plan` shows their plan",
+            words::title(many)
+        );
+    }
     let emit = arguments.emit.iter().find(|e| e.target().is_some());
     let missing = if arguments.counterstrategy {
         Some(("counterstrategy", "leave out --counterstrategy"))
@@ -50,15 +56,11 @@ pub(super) fn write(
 ) -> ExitCode {
     let mut code = ExitCode::Success;
     for realization in realizations {
-        let decision = recipes::decide(
-            &loaded.library,
-            realization,
-            recipes::limits(options.effort),
-        );
-        code = code.and(code_of(decision.verdict));
+        let decision = recipes::decide(&loaded.library, realization, options.effort);
+        code = code.and(decision.verdict.into());
         findings.extend(decision.findings);
-        let ((Some(layout), Some(recipe)), Some(controller)) =
-            (subject::models(loaded, realization), decision.controller)
+        let ((Some(layout), Some(recipe)), Some(Solution::Controller(controller))) =
+            (subject::models(loaded, realization), decision.solution)
         else {
             continue;
         };

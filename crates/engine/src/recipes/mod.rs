@@ -176,9 +176,9 @@ fn decided(
     let (Some(layout), Some(recipes)) = (layout, recipes) else {
         return Ok(Decision::without_solution(Verdict::Invalid, Vec::new()));
     };
-    let is_single = realization.recipes.len() == 1 && realization.recipes[0].count == 1;
+    let is_single = realization.is_single() && aim.objective == Objective::Steps;
     match recipes.as_slice() {
-        [recipe] if is_single && aim.objective == Objective::Steps && !aim.as_plan => {
+        [recipe] if is_single && !aim.as_plan => {
             on_layout(layout, recipe, realization, search_limits(aim.factor))
         }
         recipes => {

@@ -100,6 +100,13 @@ pub struct Realization {
     pub span: Span,
 }
 
+impl Realization {
+    /// Returns whether one product is to be made.
+    pub fn is_single(&self) -> bool {
+        matches!(self.recipes.as_slice(), [wanted] if wanted.count == 1)
+    }
+}
+
 /// A recipe that is to be made.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WantedRecipe {
