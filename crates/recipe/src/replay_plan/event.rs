@@ -79,7 +79,7 @@ impl Replay<'_> {
                 return Err(EventFault::Waits(name()));
             }
             if entry.end - entry.start != self.duration(transition) {
-                return Err(EventFault::Duration(name()));
+                return Err(EventFault::Time(name()));
             }
             world.states[entry.resource].clone_from(&transition.to);
             world.free[entry.resource] = entry.end;

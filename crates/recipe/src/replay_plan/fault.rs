@@ -79,7 +79,7 @@ pub enum EventFault {
     Waits(String),
     /// A transition does not take its time.
     #[error("resource `{0}` takes another time")]
-    Duration(String),
+    Time(String),
     /// The entries of an event do not belong together.
     #[error("its entries do not belong together")]
     Apart,
