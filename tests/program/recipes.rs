@@ -875,6 +875,6 @@ realize R on Bad\n";
     let twice = format!("{pad}realize Hinge on Pad\nrealize Hinge on Pad\n");
     std::fs::write(folder.join("twice.lw"), twice).expect("a file");
     let (code, failed) = document(folder, "synth twice.lw --out twice");
-    assert_eq!(code, 1);
+    assert_eq!(code, 2);
     assert_eq!(failed["findings"][0]["code"], "LW504");
 }

@@ -11,9 +11,9 @@ use linewright_recipe::realize::{Outcome, SearchLimits, realize};
 /// Number of random cells.
 const RANDOM: usize = 24;
 
-/// Ports and labels that would have the same names, also where case does not count; what two
-/// resources with room for several parts have to know; an action that leads to two states; states in
-/// which nothing may wait; two guards, a loop, and a duplicate.
+/// Ports and labels that would have the same names, also where case does not count; what resources
+/// with room for several parts have to know; an action that leads to two states; states in which
+/// nothing may wait; two guards, a loop, and a duplicate.
 const ODD: &str = "
 layout Odd {
     resource done: Loader at s0 {
