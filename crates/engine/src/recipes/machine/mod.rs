@@ -298,10 +298,11 @@ impl Conversion<'_> {
         for (position, first) in self.controller.positions.iter().zip(&self.first) {
             for (leg, first) in position.legs.iter().zip(first) {
                 let end = first + leg.vectors.len();
-                for state in *first..end {
+                for (number, own) in states[*first..end].iter_mut().enumerate() {
+                    let state = first + number;
                     let wait = self.transition(&Outcomes::from([(DONE, false)]), state);
                     let done = Outcomes::from([(DONE, true)]);
-                    states[state] = if state + 1 < end {
+                    *own = if state + 1 < end {
                         vec![wait, self.transition(&done, state + 1)]
                     } else {
                         let mut transitions = self.begin(leg.to, &done);

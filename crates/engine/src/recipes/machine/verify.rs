@@ -46,6 +46,9 @@ struct Inputs {
     asked: Slot<Option<usize>>,
 }
 
+/// An input that is not known matters.
+struct Unknown;
+
 impl Inputs {
     fn get(&self, input: usize) -> Option<bool> {
         let known = self.known.get(&input).copied();
@@ -246,7 +249,7 @@ impl Execution<'_> {
             let Some(state) = self.reached(&one) else {
                 continue;
             };
-            if let Some(chosen) = self.choose(state, &one.cell, inputs)? {
+            if let Some(chosen) = self.choose(state, &one.cell, inputs).ok()? {
                 all.push(Progress {
                     transition: Some(chosen),
                     performed: 0,
@@ -258,8 +261,11 @@ impl Execution<'_> {
     }
 
     /// Returns the transition of the recipe that is taken in a state, if it can be decided there:
-    /// the first whose guard holds. The outer `None` asks for another input.
-    fn choose(&self, state: &str, cell: &Cell, inputs: &Inputs) -> Option<Option<usize>> {
+    /// the first whose guard holds.
+    ///
+    /// # Errors
+    /// It depends on another input.
+    fn choose(&self, state: &str, cell: &Cell, inputs: &Inputs) -> Result<Option<usize>, Unknown> {
         let leaving = || {
             let all = self.recipe.transitions.iter().enumerate();
             all.filter(|(_, t)| t.from == state)
@@ -276,13 +282,13 @@ impl Execution<'_> {
                 resource.is_some_and(|r| self.without(cell, r, parts).is_some())
             };
             if !at.is_empty() && !at.iter().any(holds) {
-                return Some(None);
+                return Ok(None);
             }
         }
         let mut otherwise = None;
         for (number, transition) in leaving() {
             match &transition.guard {
-                Guard::Always => return Some(Some(number)),
+                Guard::Always => return Ok(Some(number)),
                 Guard::Otherwise => otherwise = Some(number),
                 Guard::Test {
                     name,
@@ -291,13 +297,14 @@ impl Execution<'_> {
                 } => {
                     let mut tests = self.of.tests.iter();
                     let test = tests.position(|t| t.name == *name && t.parts == *parts);
-                    if inputs.get(DONE + 1 + test.unwrap_or_default())? {
-                        return Some(Some(number));
+                    let outcome = inputs.get(DONE + 1 + test.unwrap_or_default());
+                    if outcome.ok_or(Unknown)? {
+                        return Ok(Some(number));
                     }
                 }
             }
         }
-        Some(otherwise)
+        Ok(otherwise)
     }
 
     /// Whether the recipe can end here.
