@@ -208,6 +208,7 @@ fn change(first: Steps, second: Steps) -> RecipeChange {
             std::cmp::Ordering::Equal => RecipeChange::Same,
             std::cmp::Ordering::Greater => RecipeChange::Longer,
         },
+        // A search reached its limits, or fewer steps could suffice.
         _ => RecipeChange::NotDecided,
     }
 }

@@ -1,7 +1,7 @@
 //! A plan as part of the JSON document.
 
 use super::quantity::{gap, number, time};
-use super::{Section, View, owner};
+use super::{Section, View, owner, product};
 use crate::cli::recipe::plan::MoveEntry;
 use crate::engine::recipes::words;
 use crate::recipe::plan::{Entry, EntrySubject, HeldPart, Method, Next, Objective};
@@ -244,7 +244,7 @@ fn moved(view: &View<'_>, section: &Section<'_>, entry: &Entry) -> ScheduleMove 
         event: entry.event,
         start: time(view.plan, entry.start),
         end: time(view.plan, entry.end),
-        product: super::product(entry).map(|p| p + 1),
+        product: product(entry).map(|p| p + 1),
         what: MoveEntry::new(
             resource,
             entry.transition,
