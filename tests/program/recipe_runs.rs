@@ -2,7 +2,8 @@
 //! machines work with their station libraries.
 
 use super::recipes::{document, text};
-use crate::support::sandbox;
+use crate::support::mesa::Validator;
+use crate::support::{root, sandbox};
 use serde_json::Value;
 use std::path::Path;
 
@@ -113,6 +114,50 @@ fn machines_work_with_their_station_libraries() {
         &format!("recipe run {file} --test measured=finished"),
     );
     assert!(plain.contains("TurningCenter"), "{plain}");
+}
+
+#[test]
+fn what_was_done_is_written_as_b2mml() {
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    let documents = folder.join("documents");
+    std::fs::create_dir(&documents).expect("a folder");
+    for (file, name) in [
+        ("examples/pad/times.lw --test b=c --test c=e", "hinge.xml"),
+        ("examples/pad/times.lw --test b=d", "removed.xml"),
+        ("examples/pad/several.lw", "several.xml"),
+        ("examples/cell/cell.lw --test measured=reworked", "cell.xml"),
+    ] {
+        let epoch = "--epoch 2026-11-30T06:00:00";
+        let made = run(
+            folder,
+            &format!("{file} --performance documents/{name} {epoch}"),
+        );
+        let bytes = std::fs::read(documents.join(name)).expect("a document");
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(text.contains("<StartTime>2026-11-30T06:00:00Z</StartTime>"));
+        let reading = linewright::b2mml::read(&bytes).expect("it is valid");
+        let linewright::b2mml::Document::Performance(performance) = reading.document else {
+            panic!("{name} is no performance");
+        };
+        let sections = made["sections"].as_array().expect("sections");
+        let moves = sections.iter().flat_map(|s| s["moves"].as_array());
+        let moves: Vec<&Value> = moves.flatten().collect();
+        // Both sides of a transfer are one record.
+        let taken = moves.iter().filter(|m| !m["part"].is_null()).count() / 2;
+        assert_eq!(performance.records.len(), moves.len() - taken, "{name}");
+        let last = performance.records.iter().map(|r| r.end);
+        assert_eq!(last.reduce(f64::max), made["makespan"].as_f64(), "{name}");
+    }
+    if let Some(validator) = Validator::find(&root()) {
+        let (valid, reasons) = validator.valid(&documents, true);
+        assert_eq!(valid.len(), 4, "{reasons}");
+    }
+    let (code, refused) = document(
+        folder,
+        "recipe run examples/pad/times.lw --execution lockstep --performance x.xml",
+    );
+    assert_eq!(code, 2, "{refused}");
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Performances: what a run did.
 
-use crate::schedule::Activity;
-use linewright_recipe::model::Part;
+use crate::schedule::{Activity, segment_id};
+use linewright_recipe::model::{Action, Demand, Layout, Part};
+use linewright_recipe::plan::{Entry, EntrySubject, PartOwner};
+use linewright_recipe::run::Run;
 
 /// What was done in a run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -34,6 +36,130 @@ pub struct Record {
     pub begin: f64,
     /// When it ended, in s after the start of the run, not before it began.
     pub end: f64,
+}
+
+/// Nanoseconds of a second.
+const NANOSECONDS: f64 = 1e9;
+
+impl Performance {
+    /// Returns what a timed run did, which started at this time: a record for each operation and for
+    /// each transfer. What belongs to no product counts for the first recipe.
+    ///
+    /// Takes time proportional to the run, and to the logarithm of its length.
+    pub fn of(name: &str, layout: &Layout, demands: &[Demand], run: &Run, started: i64) -> Self {
+        let mut parts: Vec<Part> = Vec::new();
+        for part in demands.iter().flat_map(|d| &d.recipe.parts) {
+            if !parts.iter().any(|p| p.name == part.name) {
+                parts.push(part.clone());
+            }
+        }
+        let events = run.entries.chunk_by(|a, b| a.event == b.event);
+        let recorder = Recorder { layout, demands };
+        let mut records: Vec<Record> = events.flat_map(|e| recorder.records(e)).collect();
+        records.sort_by(|a, b| a.end.total_cmp(&b.end));
+        Self {
+            name: name.to_owned(),
+            schedule: None,
+            started,
+            parts,
+            records,
+        }
+    }
+}
+
+/// What the entries of a run are about.
+struct Recorder<'a> {
+    layout: &'a Layout,
+    demands: &'a [Demand],
+}
+
+impl Recorder<'_> {
+    fn action(&self, entry: &Entry) -> &Action {
+        &self.layout.resources[entry.resource].transitions[entry.transition].action
+    }
+
+    fn resource(&self, entry: &Entry) -> String {
+        self.layout.resources[entry.resource].name.clone()
+    }
+
+    /// Returns the demand of a product.
+    fn demand(&self, product: usize) -> Option<&Demand> {
+        let mut first = 0;
+        self.demands.iter().find(|demand| {
+            first += demand.count;
+            product < first
+        })
+    }
+
+    /// Returns the records of an event: one for each operation, or one for both sides of a transfer.
+    fn records(&self, event: &[Entry]) -> Vec<Record> {
+        let gives = |e: &&Entry| matches!(self.action(e), Action::Out(_));
+        let taker = event.iter().find(|e| !gives(e));
+        if let (Some(giver), Some(taker)) = (event.iter().find(gives), taker) {
+            let (part, owner) = match &giver.subject {
+                EntrySubject::Part(part) => (Some(part.name.clone()), Some(part.owner)),
+                EntrySubject::Operation { .. } | EntrySubject::Internal => (None, None),
+            };
+            let product = match owner {
+                Some(PartOwner::Product(product)) => Some(product),
+                _ => None,
+            };
+            let activity = Activity::Transfer {
+                from: self.resource(giver),
+                to: self.resource(taker),
+                label: self.action(giver).label().unwrap_or_default().to_owned(),
+                part,
+            };
+            return vec![self.record(activity, product, giver.start, taker.end)];
+        }
+        let records = event.iter().filter_map(|entry| {
+            let (activity, product) = self.activity(entry)?;
+            Some(self.record(activity, product, entry.start, entry.end))
+        });
+        records.collect()
+    }
+
+    /// Returns an operation, with its product if it has one.
+    fn activity(&self, entry: &Entry) -> Option<(Activity, Option<usize>)> {
+        let resource = self.resource(entry);
+        match (&entry.subject, self.action(entry)) {
+            (
+                EntrySubject::Operation {
+                    product,
+                    transition,
+                    step,
+                    call,
+                },
+                _,
+            ) => {
+                let about = &self.demand(*product)?.recipe.transitions[*transition];
+                let activity = Activity::Operation {
+                    resource: Some(resource),
+                    call: about.steps[*step].operations[*call].clone(),
+                    segment: segment_id(*transition, *step, *call),
+                };
+                Some((activity, Some(*product)))
+            }
+            (_, Action::Internal(name)) => {
+                let name = name.clone();
+                Some((Activity::Internal { resource, name }, None))
+            }
+            _ => None,
+        }
+    }
+
+    fn record(&self, activity: Activity, product: Option<usize>, begin: i64, end: i64) -> Record {
+        let demand = product.map_or(self.demands.first(), |p| self.demand(p));
+        let recipe = demand.map_or_else(String::new, |d| d.recipe.name.clone());
+        Record {
+            activity,
+            product: product.map_or_else(String::new, |p| format!("{recipe} {}", p + 1)),
+            recipe,
+            request: None,
+            begin: begin as f64 / NANOSECONDS,
+            end: end as f64 / NANOSECONDS,
+        }
+    }
 }
 
 /// Seconds of a day.

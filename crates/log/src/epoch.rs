@@ -26,6 +26,13 @@ impl Epoch {
     }
 }
 
+impl Epoch {
+    /// Returns the seconds since 1970-01-01T00:00:00Z.
+    pub fn seconds(self) -> i64 {
+        self.microseconds.div_euclid(1_000_000)
+    }
+}
+
 impl FromStr for Epoch {
     type Err = String;
 

@@ -2,6 +2,7 @@
 
 use super::schedule::{self, ScheduleSection, TimeUnit, View};
 use super::{plan, print_result, stations, subject};
+use crate::b2mml::{Performance, write};
 use crate::cli::build::default_folder;
 use crate::cli::console::{Failed, count, schema};
 use crate::cli::exit::ExitCode;
@@ -12,10 +13,12 @@ use crate::contract::recipe::{Layout, Realization};
 use crate::contract::set::Setting;
 use crate::diagnostics::{Diagnostic, codes, json};
 use crate::engine::files::LoadedFiles;
+use crate::engine::output;
 use crate::engine::recipes::run::{FixedTest, MAX_POSITIONS, Tests, run as carry_out};
 use crate::engine::recipes::stations::{Stations, machine_of};
 use crate::engine::recipes::{self, Aim, words};
 use crate::engine::simulation::SimulationOptions;
+use crate::event_log::Epoch;
 use crate::line::Options;
 use crate::recipe::model::{Demand, Recipe};
 use crate::recipe::plan::{Execution, Objective, Plan};
@@ -33,7 +36,7 @@ use std::str::FromStr;
     linewright recipe run examples/pad/times.lw
     linewright recipe run examples/pad/times.lw --test b=d --seed 7
     linewright recipe run examples/pad/hinge.lw --execution lockstep
-    linewright recipe run examples/cell/shaft.lw --gantt shaft.svg
+    linewright recipe run examples/cell/cell.lw --gantt cell.svg
 
 The run follows the plan with least time (timed) or least steps (lockstep). A resource that is a \
 machine does its work with the machine's station library, which is compiled first; other resources \
@@ -58,6 +61,17 @@ pub struct Arguments {
     /// Draw the run as a Gantt chart (SVG; only timed)
     #[arg(long, value_name = "FILE")]
     pub gantt: Option<PathBuf>,
+    /// Write what was done as a document in B2MML 7.0.1 (OperationsPerformance; only timed)
+    #[arg(long, value_name = "FILE")]
+    pub performance: Option<PathBuf>,
+    /// Date and time (UTC) at which the run starts, for --performance
+    #[arg(
+        long,
+        value_name = "DATE",
+        default_value = "2026-01-05",
+        requires = "performance"
+    )]
+    pub epoch: Epoch,
     /// Set a number of the layout for this run (repeatable)
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub settings: Vec<Setting>,
@@ -162,10 +176,16 @@ struct ResourceEntry {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let (selection, how) = (&arguments.selection, arguments.execution);
-    anyhow::ensure!(
-        arguments.gantt.is_none() || how == How::Timed,
-        "--gantt shows times, and steps have none: leave out `--execution lockstep`"
-    );
+    let times = match (&arguments.gantt, &arguments.performance) {
+        (Some(_), _) => Some("--gantt"),
+        (None, Some(_)) => Some("--performance"),
+        (None, None) => None,
+    };
+    if let Some(option) = times.filter(|_| how == How::Lockstep) {
+        anyhow::bail!(
+            "{option} shows times, and steps have none: leave out `--execution lockstep`"
+        );
+    }
     let console = options.console();
     let loaded = subject::load(selection, &arguments.settings, DOCUMENT.name, options)?;
     let loaded = match loaded {
@@ -244,6 +264,21 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         && let Some(failed) = plan::draw(path, realization, &result.view, &loaded, options)?
     {
         return Ok(failed);
+    }
+    if let Some(path) = &arguments.performance {
+        let performance = Performance::of(
+            &words::title(realization),
+            &layout.model,
+            &demands,
+            &made,
+            arguments.epoch.seconds(),
+        );
+        let text = write::performance(&performance)?;
+        if let Err(finding) = output::write(path, &text, &loaded.places) {
+            console.findings(sources, std::slice::from_ref(&*finding))?;
+            return Ok(options.exit_code(&[*finding]));
+        }
+        console.remark(&format!("wrote {}\n", path.display()))?;
     }
     Ok(options.exit_code(&findings))
 }
