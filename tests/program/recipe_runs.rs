@@ -149,7 +149,7 @@ fn what_was_done_is_written_as_b2mml() {
         let last = performance.records.iter().map(|r| r.end);
         assert_eq!(last.reduce(f64::max), made["makespan"].as_f64(), "{name}");
     }
-    if let Some(validator) = Validator::find(&root()) {
+    if let Some(validator) = Validator::find(root()) {
         let (valid, reasons) = validator.valid(&documents, true);
         assert_eq!(valid.len(), 4, "{reasons}");
     }
