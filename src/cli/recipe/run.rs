@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Draw the run as a Gantt chart (SVG; only timed)
     #[arg(long, value_name = "FILE")]
     pub gantt: Option<PathBuf>,
-    /// Write what was done as a document in B2MML 7.0.1 (OperationsPerformance; only timed)
+    /// Write what was done as an operations performance in B2MML 7.0.1 (only timed)
     #[arg(long, value_name = "FILE")]
     pub performance: Option<PathBuf>,
     /// Date and time (UTC) at which the run starts, for --performance
@@ -253,7 +253,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         plan,
         run: &made,
         how,
-        view: View::new(&shown, &timed.model, recipes),
+        view: View::of_run(&shown, &timed.model, recipes),
     };
     print_result(
         &result.document(arguments.seed, &findings),

@@ -213,7 +213,7 @@ fn section(view: &View<'_>, section: &Section<'_>) -> ScheduleSection {
             closes_loop,
         } => (time, vec![(position + 1).to_string()], *closes_loop),
         Next::Test { time, outcomes, .. } => {
-            let numbers = (1..=outcomes.len()).map(|at| format!("{}.{at}", section.number));
+            let numbers = (0..outcomes.len()).map(|at| view.number_after(section, at));
             (time, numbers.collect(), false)
         }
     };

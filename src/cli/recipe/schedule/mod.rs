@@ -25,12 +25,15 @@ pub(super) struct View<'p> {
     pub recipes: Vec<&'p Recipe>,
     /// Position, outcomes, event and resource of each entry of the critical path.
     critical: BTreeSet<(usize, Vec<usize>, usize, usize)>,
+    /// Whether it is a run, with one outcome of each test.
+    is_run: bool,
 }
 
 /// A part of a plan, up to a test or to the end of a position. It begins with a position or with
 /// the outcome of a test.
 struct Section<'p> {
-    /// `2` for the second position, `2.1` for the first outcome of its first test.
+    /// `2` for the second position, `2.1` for the first outcome of its first test. The sections of a
+    /// run are counted.
     number: String,
     position: usize,
     /// The outcomes since the beginning of the position, as indices.
@@ -78,7 +81,27 @@ impl<'p> View<'p> {
             layout,
             recipes,
             critical: critical.collect(),
+            is_run: false,
         }
+    }
+
+    /// Creates a view of a run as a plan.
+    pub fn of_run(run: &'p Plan, layout: &'p Layout, recipes: Vec<&'p Recipe>) -> Self {
+        Self {
+            plan: run,
+            layout,
+            recipes,
+            critical: BTreeSet::new(),
+            is_run: true,
+        }
+    }
+
+    /// The number of the section that an outcome of a section's test begins.
+    fn number_after(&self, section: &Section<'_>, outcome: usize) -> String {
+        if self.is_run {
+            return (section.outcomes.len() + 2).to_string();
+        }
+        format!("{}.{}", section.number, outcome + 1)
     }
 
     fn recipe(&self, product: usize) -> &'p Recipe {
@@ -110,9 +133,38 @@ impl<'p> View<'p> {
                 begins: None,
                 schedule: &at.schedule,
             };
-            add(first, &mut found);
+            self.add(first, &mut found);
         }
         found
+    }
+
+    /// Adds a section, and those that follow its test.
+    fn add(&self, section: Section<'p>, found: &mut Vec<Section<'p>>) {
+        let mut after = Vec::new();
+        if let Next::Test {
+            time,
+            product,
+            outcomes,
+        } = &section.schedule.then
+        {
+            for (at, (transition, schedule)) in outcomes.iter().enumerate() {
+                after.push(Section {
+                    number: self.number_after(&section, at),
+                    position: section.position,
+                    outcomes: [section.outcomes.as_slice(), &[at]].concat(),
+                    begins: Some(Outcome {
+                        time: *time,
+                        product: *product,
+                        transition: *transition,
+                    }),
+                    schedule,
+                });
+            }
+        }
+        found.push(section);
+        for section in after {
+            self.add(section, found);
+        }
     }
 
     fn is_critical(&self, section: &Section<'_>, entry: &Entry) -> bool {
@@ -200,34 +252,5 @@ fn owner(part: &HeldPart) -> Option<usize> {
     match part.owner {
         PartOwner::Product(product) => Some(product),
         PartOwner::Stock | PartOwner::LeftOver(_) => None,
-    }
-}
-
-/// Adds a section, and those that follow its test.
-fn add<'p>(section: Section<'p>, found: &mut Vec<Section<'p>>) {
-    let mut after = Vec::new();
-    if let Next::Test {
-        time,
-        product,
-        outcomes,
-    } = &section.schedule.then
-    {
-        for (at, (transition, schedule)) in outcomes.iter().enumerate() {
-            after.push(Section {
-                number: format!("{}.{}", section.number, at + 1),
-                position: section.position,
-                outcomes: [section.outcomes.as_slice(), &[at]].concat(),
-                begins: Some(Outcome {
-                    time: *time,
-                    product: *product,
-                    transition: *transition,
-                }),
-                schedule,
-            });
-        }
-    }
-    found.push(section);
-    for section in after {
-        add(section, found);
     }
 }

@@ -214,7 +214,11 @@ fn follows(view: &View<'_>, section: &Section<'_>) -> (i64, Vec<String>) {
                     product: *product,
                     transition: *transition,
                 };
-                format!("{}: {}.{}", view.outcome(outcome), section.number, at + 1)
+                format!(
+                    "{}: {}",
+                    view.outcome(outcome),
+                    view.number_after(section, at)
+                )
             });
             (*time, outcomes.collect())
         }
