@@ -1,5 +1,5 @@
-//! Runs of recipes on the command line: `recipe run`, on `examples/pad` and on `examples/cell`, whose
-//! machines work with their station libraries.
+//! Runs of recipes on the command line: `recipe run`, on `examples/pad` and on `examples/cell`,
+//! whose machines work with their station libraries.
 
 use super::recipes::{document, text};
 use crate::support::mesa::Validator;
@@ -148,7 +148,7 @@ fn what_was_done_is_written_as_b2mml() {
             panic!("{name} is no performance");
         };
         let sections = made["sections"].as_array().expect("sections");
-        let moves = sections.iter().flat_map(|s| s["moves"].as_array());
+        let moves = sections.iter().filter_map(|s| s["moves"].as_array());
         let moves: Vec<&Value> = moves.flatten().collect();
         // Both sides of a transfer are one record.
         let taken = moves.iter().filter(|m| !m["part"].is_null()).count() / 2;

@@ -92,6 +92,9 @@ const COMMANDS: &[&str] = &[
     "recipe plan two-hinges.lw --least energy",
     "recipe topology examples/pad/hinge.lw",
     "recipe topology examples/pad/hinge.lw --max-states 10",
+    "recipe run examples/pad/times.lw",
+    "recipe run examples/pad/hinge.lw --execution lockstep",
+    "recipe run examples/cell/cell.lw --test measured=finished",
     "recipe diff examples/pad/parallel.lw Pad Six",
     "recipe repair examples/pad/missing-route.lw --only routes",
     "recipe repair cases/cli/type.lw",
@@ -198,6 +201,7 @@ fn every_document_is_as_its_schema_says_and_with_another_field_it_is_not() {
         "linewright/functions/1",
         "linewright/log/1",
         "linewright/order/1",
+        "linewright/recipe/1",
         "linewright/station/1",
         "linewright/uf-profile/1",
     ];

@@ -42,8 +42,8 @@ pub struct Record {
 const NANOSECONDS: f64 = 1e9;
 
 impl Performance {
-    /// Returns what a timed run did, which started at this time: a record for each operation and for
-    /// each transfer. What belongs to no product counts for the first recipe.
+    /// Returns what a timed run did, which started at this time: a record for each operation and
+    /// for each transfer. What belongs to no product counts for the first recipe.
     ///
     /// Takes time proportional to the run, and to the logarithm of its length.
     pub fn of(name: &str, layout: &Layout, demands: &[Demand], run: &Run, started: i64) -> Self {
@@ -91,7 +91,8 @@ impl Recorder<'_> {
         })
     }
 
-    /// Returns the records of an event: one for each operation, or one for both sides of a transfer.
+    /// Returns the records of an event: one for each operation, or one for both sides of a
+    /// transfer.
     fn records(&self, event: &[Entry]) -> Vec<Record> {
         let gives = |e: &&Entry| matches!(self.action(e), Action::Out(_));
         let taker = event.iter().find(|e| !gives(e));

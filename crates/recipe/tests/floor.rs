@@ -180,9 +180,9 @@ fn timed_pad(resources: usize) -> Layout {
 }
 
 /// The hinge on the demonstrator takes 81 s: load 5, way 6, separate 4, the pin's way 6, glue 12,
-/// engrave 8 (the shuttle has brought the hinge in the meantime), two ways back 12, insert 6, way 6,
-/// vision 3, force 5, way 6, store 2. The test station may not wait, so the search proves a little
-/// less.
+/// engrave 8 (the shuttle has brought the hinge in the meantime), two ways back 12, insert 6, way
+/// 6, vision 3, force 5, way 6, store 2. The test station may not wait, so the search proves a
+/// little less.
 #[test]
 fn the_hinge_is_planned_with_each_objective() {
     let demands = [Demand::new(pad::hinge(false), 1)];

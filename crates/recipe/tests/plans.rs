@@ -1,5 +1,6 @@
-//! Plans of several products against oracles on random small cells: lockstep against a fixpoint over
-//! all vectors, timed plans against a simulation in steps of one second. Every plan is replayed.
+//! Plans of several products against oracles on random small cells: lockstep against a fixpoint
+//! over all vectors, timed plans against a simulation in steps of one second. Every plan is
+//! replayed.
 //!
 //! `LINEWRIGHT_RECIPE_PLANS` multiplies the number of cells; the long form is
 //! `LINEWRIGHT_RECIPE_PLANS=20 cargo test --release -p linewright-recipe --test plans`.

@@ -256,8 +256,8 @@ pub(super) struct RealizationEntry {
     /// the replay of the controller or plan has confirmed it.
     pub(super) verdict: Verdict,
     /// If realizable: the number of vectors (steps that resources take together) until an end of
-    /// the recipe or of its loop, in the worst case over the outcomes of the tests. Several products
-    /// are made one after the other if that is possible.
+    /// the recipe or of its loop, in the worst case over the outcomes of the tests. Several
+    /// products are made one after the other if that is possible.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) worst_case: Option<u64>,
     /// If realizable: whether it is proved that fewer vectors do not suffice.

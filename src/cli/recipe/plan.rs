@@ -56,7 +56,8 @@ pub struct Arguments {
     /// What the plan has least of, in the worst case over the outcomes of the tests
     #[arg(long, value_enum, default_value = "steps", value_name = "WHAT")]
     pub least: Least,
-    /// Draw the plan as Gantt charts, one for each way through its tests (SVG; not with least steps)
+    /// Draw the plan as Gantt charts, one for each way through its tests (SVG; not with least
+    /// steps)
     #[arg(long, value_name = "FILE")]
     pub gantt: Option<PathBuf>,
     /// Set a number of the layout for this plan (repeatable)

@@ -38,9 +38,12 @@ fn walk(machine: &Machine, random: &mut Random) -> (String, String) {
         let taken = &machine.transitions(state)[taken];
         finished += taken.output.last().copied().unwrap_or_default();
         state = Some(taken.to);
-        let line = |values: &[i64]| values.iter().map(|v| format!(" {v}")).collect::<String>();
-        let _ = writeln!(given, "{}{}", i32::from(reset), line(&inputs));
-        let _ = writeln!(wanted, "0{}", line(&taken.output));
+        let line = |values: &[i64]| {
+            let values: Vec<String> = values.iter().map(i64::to_string).collect();
+            values.join(" ")
+        };
+        let _ = writeln!(given, "{} {}", i32::from(reset), line(&inputs));
+        let _ = writeln!(wanted, "0 {}", line(&taken.output));
         if left.is_empty() {
             return (given, wanted);
         }

@@ -103,15 +103,15 @@ fn leg(made: &Made, position: &Position, holds: &dyn Fn(usize) -> bool) -> Optio
 fn spelled(made: &Made, m: &Move, (needs, makes): &(Vec<String>, Vec<String>)) -> String {
     let resource = &made.layout.resources[m.resource];
     let taken = &resource.transitions[m.transition];
-    let mut label = match &taken.action {
-        Action::Operation(name) | Action::Internal(name) => name.clone(),
-        Action::In(label) => format!("in_{label}"),
-        Action::Out(label) => format!("out_{label}"),
+    let mut words = match &taken.action {
+        Action::Operation(name) | Action::Internal(name) => vec![name.as_str()],
+        Action::In(label) => vec!["in", label],
+        Action::Out(label) => vec!["out", label],
     };
     if resource.capacity > 1 {
         match (&taken.action, &m.subject) {
-            (Action::Out(_), Subject::Part(part)) => label += &format!("_{part}"),
-            (Action::Operation(_), _) => needs.iter().for_each(|p| label += &format!("_{p}")),
+            (Action::Out(_), Subject::Part(part)) => words.push(part),
+            (Action::Operation(_), _) => words.extend(needs.iter().map(String::as_str)),
             _ => {}
         }
     }
@@ -120,7 +120,7 @@ fn spelled(made: &Made, m: &Move, (needs, makes): &(Vec<String>, Vec<String>)) -
         let calls = steps.flat_map(|s| &s.operations);
         let mut others = calls.filter(|c| c.name == *name && c.inputs == *needs);
         if others.any(|c| c.outputs != *makes) {
-            makes.iter().for_each(|p| label += &format!("_{p}"));
+            words.extend(makes.iter().map(String::as_str));
         }
     }
     let same = |t: &&linewright_recipe::model::Transition| t.action == taken.action;
@@ -129,7 +129,7 @@ fn spelled(made: &Made, m: &Move, (needs, makes): &(Vec<String>, Vec<String>)) -
         others.any(|b| a.from == b.from && a.to != b.to)
     });
     if is_ambiguous {
-        label += &format!("_to_{}", taken.to);
+        words.extend(["to", &taken.to]);
     }
-    label.replace(['@', '\'', '#'], "_")
+    words.join("_").replace(['@', '\'', '#'], "_")
 }

@@ -1,4 +1,5 @@
-//! Labelled state graphs as Graphviz text and as pictures, timing diagrams and Gantt charts. The callers decide what the graphs show.
+//! Labelled state graphs as Graphviz text and as pictures, timing diagrams and Gantt charts. The
+//! callers decide what the graphs show.
 
 mod blocks;
 mod canvas;

@@ -45,8 +45,8 @@ impl<'m> Order<'m> {
     }
 }
 
-/// Returns the limits of planning: those of the crate `recipe` times the factor. As each node of the
-/// search over all plans takes time for each product, there are fewer of them.
+/// Returns the limits of planning: those of the crate `recipe` times the factor. As each node of
+/// the search over all plans takes time for each product, there are fewer of them.
 fn limits(factor: BudgetFactor, products: usize, first: bool) -> PlanLimits {
     let scaled = |count: usize| usize::try_from(factor.scale(count as u64)).unwrap_or(usize::MAX);
     let PlanLimits {

@@ -1,8 +1,8 @@
 //! Branch and bound over pairs of tasks on the same machine.
 //!
-//! A node decides which of two tasks comes first, as in Carlier and Pinson (1989). Before that, both
-//! orders of each open pair are tried; one that is refuted by propagation decides the pair, as in
-//! J. Carlier and E. Pinson, "Adjustment of heads and tails for the job-shop problem", EJOR 78
+//! A node decides which of two tasks comes first, as in Carlier and Pinson (1989). Before that,
+//! both orders of each open pair are tried; one that is refuted by propagation decides the pair, as
+//! in J. Carlier and E. Pinson, "Adjustment of heads and tails for the job-shop problem", EJOR 78
 //! (1994), 146-161. The node then branches on the pair whose orders narrow the domain most, so that
 //! a proof needs few nodes. Depth first: memory is proportional to the depth.
 

@@ -1,10 +1,10 @@
 //! Bounds of start times: precedences, pairs of tasks, and edge finding.
 //!
-//! Edge finding is due to J. Carlier and E. Pinson, "An algorithm for solving the job-shop problem",
-//! Management Science 35 (1989), 164-176. The form with two nested loops is that of
-//! W. Nuijten (1994) as given in P. Baptiste, C. Le Pape and W. Nuijten, "Constraint-Based
-//! Scheduling" (2001), section 2.2. The bound at the root is destructive: R. Klein and A. Scholl,
-//! "Computing lower bounds by destructive improvement", EJOR 112 (1999), 322-346.
+//! Edge finding is due to J. Carlier and E. Pinson, "An algorithm for solving the job-shop
+//! problem", Management Science 35 (1989), 164-176. The form with two nested loops is that of W.
+//! Nuijten (1994) as given in P. Baptiste, C. Le Pape and W. Nuijten, "Constraint-Based Scheduling"
+//! (2001), section 2.2. The bound at the root is destructive: R. Klein and A. Scholl, "Computing
+//! lower bounds by destructive improvement", EJOR 112 (1999), 322-346.
 
 use super::Instance;
 

@@ -23,7 +23,8 @@ const MAX_STATES: usize = 5_000;
 /// Maximum number of products.
 const MAX_PRODUCTS: usize = 200;
 
-/// Plans products without tests. Returns the plan, if one was found, and a lower bound of all plans.
+/// Plans products without tests. Returns the plan, if one was found, and a lower bound of all
+/// plans.
 pub(super) fn plan(layout: &Layout, demands: &[Demand], limits: PlanLimits) -> (Option<Plan>, i64) {
     let all: Vec<usize> = (0..products(demands).len()).collect();
     let configuration = initial(layout, demands);
@@ -121,7 +122,8 @@ fn sorted(of_task: &[(usize, usize)], key: impl Fn(usize) -> i64) -> Vec<usize> 
     order.into_iter().map(|task| of_task[task].0).collect()
 }
 
-/// Performs the next step of each product in an order. Returns the time of the end and what happens.
+/// Performs the next step of each product in an order. Returns the time of the end and what
+/// happens.
 fn perform(
     search: &mut Search<'_>,
     root: &State,

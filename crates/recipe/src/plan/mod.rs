@@ -8,32 +8,33 @@
 //!   the layout holds at the start under the name of a recipe's part belongs to the first product
 //!   whose recipe has that part and that has none of the name yet. Every other part is stock. While
 //!   a product has no part of a name, stock of the part's type can be used in its place.
-//! - When a product is finished, only parts that its recipe allows may remain of it. They stay where
-//!   they are, and take room.
+//! - When a product is finished, only parts that its recipe allows may remain of it. They stay
+//!   where they are, and take room.
 //! - Equal products are interchangeable; the search looks at each arrangement of them once.
 //!
 //! # Timed execution
 //!
-//! - Each transition of a resource takes its time (none if it has none), and a resource takes one at
-//!   a time. Resources work concurrently. The operations of one step begin together, and the next
-//!   step begins when all have ended.
-//! - A transfer happens at one instant. The time of the transition that gives the part passes before
-//!   it (the transport is on its way), that of the transition that takes it afterward. So a resource
-//!   keeps a part until another one takes it (blocking). A transport is a resource.
-//! - Between two transitions, a resource waits as long as it likes where it may wait, and not at all
-//!   where it may not.
+//! - Each transition of a resource takes its time (none if it has none), and a resource takes one
+//!   at a time. Resources work concurrently. The operations of one step begin together, and the
+//!   next step begins when all have ended.
+//! - A transfer happens at one instant. The time of the transition that gives the part passes
+//!   before it (the transport is on its way), that of the transition that takes it afterward. So a
+//!   resource keeps a part until another one takes it (blocking). A transport is a resource.
+//! - Between two transitions, a resource waits as long as it likes where it may wait, and not at
+//!   all where it may not.
 //! - A test takes no time. The resource that performs it is at rest and holds the parts.
-//! - What is decided before a test is the same for all its outcomes; what is decided after it begins
-//!   no earlier. A transfer is decided when it begins, and so is what its taker does until then.
+//! - What is decided before a test is the same for all its outcomes; what is decided after it
+//!   begins no earlier. A transfer is decided when it begins, and so is what its taker does until
+//!   then.
 //! - At the end, and where a loop is closed, all resources are at rest.
 //!
 //! Durations are rounded to nanoseconds, energies to microjoules.
 //!
 //! # Lockstep
 //!
-//! Every transition takes one unit of time, the two sides of a transfer take it together, and no two
-//! transfers of one vector have the same label. The number of vectors for one product is that of
-//! [`crate::realize`].
+//! Every transition takes one unit of time, the two sides of a transfer take it together, and no
+//! two transfers of one vector have the same label. The number of vectors for one product is that
+//! of [`crate::realize`].
 //!
 //! # How plans are found
 //!
@@ -131,8 +132,8 @@ pub enum PlanOutcome {
 /// that are in the cell at the same time.
 ///
 /// # Errors
-/// All problems of the layout and the recipes, if any of them is more than a warning; durations over
-/// 10,000,000 s and energies over 10,000,000,000 J of a transition are problems, too.
+/// All problems of the layout and the recipes, if any of them is more than a warning; durations
+/// over 10,000,000 s and energies over 10,000,000,000 J of a transition are problems, too.
 pub fn plan(
     layout: &Layout,
     demands: &[Demand],
@@ -163,8 +164,8 @@ pub fn plan(
     Ok(outcome)
 }
 
-/// Returns a problem if a transition takes so long, or needs so much energy, that sums of them
-/// could not be represented.
+/// Returns a problem if a transition takes longer, or needs more energy, than sums permit that can
+/// be represented.
 fn large_quantities(layout: &Layout) -> Option<Problem> {
     let transitions = layout.resources.iter().flat_map(|r| &r.transitions);
     let mut sizes = transitions.map(|t| {

@@ -14,10 +14,10 @@ pub struct CriticalEntry {
 }
 
 /// Returns the critical path of a plan: a chain of entries that determines how long it takes when
-/// the tests end in the way that takes longest, until all products are finished or a loop is closed.
-/// Each entry begins when the one before it ends, and takes the same resource, belongs to the same
-/// product or to the same event; if there is none like that, it waits for something else that ends
-/// then.
+/// the tests end in the way that takes longest, until all products are finished or a loop is
+/// closed. Each entry begins when the one before it ends, and takes the same resource, belongs to
+/// the same product or to the same event; if there is none like that, it waits for something else
+/// that ends then.
 ///
 /// Takes time proportional to the square of the number of entries.
 pub fn critical_path(plan: &Plan) -> Vec<CriticalEntry> {
@@ -103,8 +103,8 @@ fn product(entry: &Entry) -> Option<usize> {
     }
 }
 
-/// Returns the chain of entries that ends at a time, from its beginning, as indices: one that begins
-/// at 0, or else as early as possible.
+/// Returns the chain of entries that ends at a time, from its beginning, as indices: one that
+/// begins at 0, or else as early as possible.
 ///
 /// An entry that ends just when the next one begins may do so because it was made to, such as a
 /// transport that leaves late; nothing ends when it begins. So all entries before are tried.

@@ -242,8 +242,9 @@ impl Zone {
         Some((matrix.at(new, 0), low.collect()))
     }
 
-    /// Returns whether what can follow the other zone can follow this one, no later, where both have
-    /// the same anchors: this zone, moved to a later time as a whole, has all times of the other.
+    /// Returns whether what can follow the other zone can follow this one, no later, where both
+    /// have the same anchors: this zone, moved to a later time as a whole, has all times of the
+    /// other.
     pub fn includes(&self, other: &Self) -> bool {
         let highs = self.high.iter().zip(&other.high);
         let mut delay = 0;

@@ -4,8 +4,8 @@
 //! the durations and the outcomes of tests that occur, which a [`Plant`] decides:
 //!
 //! - An event begins when the plan says, or later: when its resources have ended what they did
-//!   before, and its product the step before. An event is a step of a product, an internal operation
-//!   or a transfer; [`crate::plan`] says how its parts lie in time.
+//!   before, and its product the step before. An event is a step of a product, an internal
+//!   operation or a transfer; [`crate::plan`] says how its parts lie in time.
 //! - A test is made when the plan says, or later: when the product and all resources that have
 //!   ended before it in the plan have ended.
 //! - The next position begins when the plan says, or later: when all resources are at rest.
@@ -83,7 +83,8 @@ pub struct TestResult {
 }
 
 impl Run {
-    /// Returns the run as a plan with one position, whose tests have only the outcomes that occurred.
+    /// Returns the run as a plan with one position, whose tests have only the outcomes that
+    /// occurred.
     pub fn as_plan(&self, plan: &Plan) -> Plan {
         let mut rest = self.entries.as_slice();
         let mut then = Next::End { time: self.time };

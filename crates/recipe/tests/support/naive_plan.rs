@@ -1,5 +1,5 @@
 //! Oracle for several products in lockstep: the fixpoint of [`super::naive`], with the progress of
-//! each product. Parts are told apart by their names: `a@1` is the part `a` of product 1.
+//! each product. Parts have the names of their products: `a@1` is the part `a` of product 1.
 
 use super::naive::{self, Answer, Cell, acceptable, closing, vectors};
 use linewright_recipe::model::{Demand, Layout, Recipe, Step};

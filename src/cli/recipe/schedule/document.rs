@@ -79,7 +79,8 @@ enum PlanMethod {
     JobShop,
 }
 
-/// A part of a schedule, up to a test or to the end. Times count from the beginning of its position.
+/// A part of a schedule, up to a test or to the end. Times count from the beginning of its
+/// position.
 #[derive(JsonSchema, Serialize)]
 pub(in crate::cli::recipe) struct ScheduleSection {
     /// Its number: `2` for the second position, `2.1` for the first outcome of its first test.

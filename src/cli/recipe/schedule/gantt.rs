@@ -17,8 +17,8 @@ struct Way<'v, 'p> {
     end: i64,
 }
 
-/// Returns the charts of a plan with times, and how many more there would be. If there are too many,
-/// each position has the one that takes longest.
+/// Returns the charts of a plan with times, and how many more there would be. If there are too
+/// many, each position has the one that takes longest.
 pub(in crate::cli::recipe) fn chart(title: &str, view: &View<'_>) -> (Gantt, usize) {
     let sections = view.sections();
     let mut ways: Vec<Way<'_, '_>> = sections.iter().filter_map(|s| way(&sections, s)).collect();

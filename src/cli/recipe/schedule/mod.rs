@@ -32,8 +32,8 @@ pub(super) struct View<'p> {
 /// A part of a plan, up to a test or to the end of a position. It begins with a position or with
 /// the outcome of a test.
 struct Section<'p> {
-    /// `2` for the second position, `2.1` for the first outcome of its first test. The sections of a
-    /// run are counted.
+    /// `2` for the second position, `2.1` for the first outcome of its first test. The sections of
+    /// a run are counted.
     number: String,
     position: usize,
     /// The outcomes since the beginning of the position, as indices.

@@ -220,8 +220,8 @@ pub(super) fn uses(shop: &Shop<'_>) -> Vec<Vec<Vec<Uses>>> {
 }
 
 /// Returns the least cost of a way between each two resources: R. W. Floyd, "Algorithm 97: shortest
-/// path", Communications of the ACM 5 (1962), 345. In lockstep, the two sides of a transfer take the
-/// same time (`shared`).
+/// path", Communications of the ACM 5 (1962), 345. In lockstep, the two sides of a transfer take
+/// the same time (`shared`).
 pub(super) fn ways(shop: &Shop<'_>, cost: &dyn Fn(usize, usize) -> i64, shared: bool) -> Vec<i64> {
     let resources = shop.resources();
     let mut way = vec![NEVER; resources * resources];

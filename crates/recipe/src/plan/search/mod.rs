@@ -13,8 +13,9 @@
 //! may be better if something else is going on at the same time; some times are tried then, and the
 //! bound of such a test counts as a bound of the plan.
 //!
-//! Loops are a greatest fixpoint, as in [`crate::realize`]: a transition that closes a loop ends the
-//! count in a *position*, which has to have a plan of its own; positions without one are refuted.
+//! Loops are a greatest fixpoint, as in [`crate::realize`]: a transition that closes a loop ends
+//! the count in a *position*, which has to have a plan of its own; positions without one are
+//! refuted.
 
 mod expand;
 
