@@ -1,6 +1,6 @@
 //! `linewright recipe diff`: which recipes two layouts can make.
 
-use super::print_result;
+use super::{aligned, print_result};
 use crate::cli::console::{Failed, schema};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
@@ -13,7 +13,7 @@ use crate::recipe::realize::{Outcome, SearchLimits};
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fmt::{self, Write as _};
+use std::fmt;
 
 /// The arguments of `recipe diff`.
 #[derive(Debug, Args)]
@@ -229,15 +229,5 @@ fn text(document: &Document) -> String {
             recipe.change.to_string(),
         ]);
     }
-    let width = |column: usize| {
-        let widths = rows.iter().map(|row| row[column].chars().count());
-        widths.max().unwrap_or(0)
-    };
-    let [name, first, second] = [0, 1, 2].map(width);
-    let mut text = String::new();
-    for [a, b, c, d] in &rows {
-        let line = format!("{a:name$}  {b:>first$}  {c:>second$}  {d}");
-        let _ = writeln!(text, "{}", line.trim_end());
-    }
-    text
+    aligned(&rows, &[1, 2])
 }

@@ -62,6 +62,30 @@ pub const DOCUMENTS: [Described; 6] = [
     Described::new("recipe", "Why `recipe` has no result", &[form::<Failed>]),
 ];
 
+/// Returns rows with aligned columns, of which those after `right` are right-aligned. Empty columns
+/// are left out.
+fn aligned<const N: usize>(rows: &[[String; N]], right: &[usize]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().map(|row| row[column].chars().count());
+        cells.max().unwrap_or(0)
+    };
+    let columns = (0..N).map(|column| (column, width(column)));
+    let columns: Vec<(usize, usize)> = columns.filter(|(_, width)| *width > 0).collect();
+    let line = |row: &[String; N]| {
+        let cell = |(column, width): &(usize, usize)| {
+            let cell = &row[*column];
+            if right.contains(column) {
+                format!("{cell:>width$}")
+            } else {
+                format!("{cell:width$}")
+            }
+        };
+        let cells: Vec<String> = columns.iter().map(cell).collect();
+        cells.join("  ").trim_end().to_owned() + "\n"
+    };
+    rows.iter().map(line).collect()
+}
+
 /// Prints a result: the document with `--format json`, the text otherwise.
 fn print_result(
     document: &impl Serialize,

@@ -3,6 +3,7 @@
 use super::quantity::{gap, instant, value};
 use super::{Happening, Section, View};
 use crate::cli::console::count;
+use crate::cli::recipe::aligned;
 use crate::recipe::plan::{Execution, Method, Next, Objective, Plan, Progress};
 use std::fmt::Write as _;
 
@@ -137,10 +138,14 @@ fn table(text: &mut String, view: &View<'_>, section: &Section<'_>) {
             [h.end.to_string(), String::new()]
         }
     };
+    let product = match view.plan.products.len() {
+        0 | 1 => "",
+        _ => "product",
+    };
     let heads = if is_timed {
-        ["start", "end", "", "resource", "product", "what"]
+        ["start", "end", "", "resource", product, "what"]
     } else {
-        ["step", "", "", "resource", "product", "what"]
+        ["step", "", "", "resource", product, "what"]
     };
     let mut rows = vec![heads.map(str::to_owned)];
     for happening in view.happenings(section) {
@@ -150,40 +155,19 @@ fn table(text: &mut String, view: &View<'_>, section: &Section<'_>) {
             end,
             if happening.is_critical { "*" } else { "" }.to_owned(),
             happening.resource,
-            happening
-                .product
+            (happening.product.filter(|_| !product.is_empty()))
                 .map_or(String::new(), |p| (p + 1).to_string()),
             happening.what,
         ]);
     }
     let (time, follows) = follows(view, section);
     if rows.len() > 1 {
-        write_rows(text, &rows, view.plan.products.len() > 1);
+        for line in aligned(&rows, &[0, 1, 4]).lines() {
+            let _ = writeln!(text, "  {line}");
+        }
     }
     for line in follows {
         let _ = writeln!(text, "  {}  {line}", at(view.plan, time));
-    }
-}
-
-/// Writes rows with aligned columns; times and products are right-aligned. Empty columns are left
-/// out, and that of the products if there is only one.
-fn write_rows(text: &mut String, rows: &[[String; 6]], has_products: bool) {
-    let width = |column: usize| {
-        let cells = rows.iter().map(|row| row[column].chars().count());
-        cells.max().unwrap_or(0)
-    };
-    let columns = (0..6).filter(|c| width(*c) > 0 && (has_products || *c != 4));
-    let columns: Vec<(usize, usize)> = columns.map(|c| (c, width(c))).collect();
-    for row in rows {
-        let mut line = String::new();
-        for (column, width) in columns.iter().copied() {
-            let cell = &row[column];
-            let _ = match column {
-                0 | 1 | 4 => write!(line, "  {cell:>width$}"),
-                _ => write!(line, "  {cell:<width$}"),
-            };
-        }
-        let _ = writeln!(text, "{}", line.trim_end());
     }
 }
 

@@ -1,32 +1,34 @@
 //! `linewright recipe run`: the cell makes its products once.
 
-use super::schedule::{self, ScheduleSection, TimeUnit, View};
+mod result;
+
+pub use result::DOCUMENT;
+
+use super::schedule::{self, View};
 use super::{plan, print_result, stations, subject};
 use crate::b2mml::{Performance, write};
 use crate::cli::build::default_folder;
-use crate::cli::console::{Failed, count, schema};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
-use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::contract::recipe::{Layout, Realization};
 use crate::contract::set::Setting;
-use crate::diagnostics::{Diagnostic, codes, json};
+use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::files::LoadedFiles;
 use crate::engine::output;
-use crate::engine::recipes::run::{FixedTest, MAX_POSITIONS, Tests, run as carry_out};
-use crate::engine::recipes::stations::{Stations, machine_of};
+use crate::engine::recipes::run::{FixedTest, Tests, run as carry_out};
+use crate::engine::recipes::stations::Stations;
 use crate::engine::recipes::{self, Aim, words};
 use crate::engine::simulation::SimulationOptions;
 use crate::event_log::Epoch;
 use crate::line::Options;
 use crate::recipe::model::{Demand, Recipe};
-use crate::recipe::plan::{Execution, Objective, Plan};
+use crate::recipe::plan::Objective;
 use crate::recipe::run::Run;
 use clap::{Args, ValueEnum};
+use result::Made;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -119,58 +121,6 @@ impl FromStr for FixedArgument {
             _ => Err("write the state of the test and the one that follows, such as `b=d`".into()),
         }
     }
-}
-
-/// Describes the JSON document that the command prints.
-pub const DOCUMENT: Described = Described::new(
-    "recipe-run",
-    "A run of a recipe on a layout: `recipe run`",
-    &[form::<Document>, form::<Failed>],
-);
-
-/// The JSON document of the command.
-#[derive(JsonSchema, Serialize)]
-struct Document {
-    schema: String,
-    /// The statement without its first word: `Hinge on Pad`.
-    name: String,
-    /// The file with the statement.
-    file: String,
-    /// How the plan was executed.
-    execution: How,
-    /// Random seed for the outcomes of tests.
-    seed: u64,
-    /// Whether all products are finished. If not, the recipe has a loop that was still going on.
-    is_finished: bool,
-    /// When the run ended.
-    makespan: f64,
-    /// What the plan takes in the worst case over the outcomes of the tests.
-    planned: f64,
-    /// Unit of all times.
-    time_unit: TimeUnit,
-    /// Electrical energy in J; only timed.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    energy: Option<f64>,
-    /// The recipe of each product. Product 1 is the first.
-    products: Vec<String>,
-    /// The resources.
-    resources: Vec<ResourceEntry>,
-    /// What happened: the schedule, divided at each test.
-    sections: Vec<ScheduleSection>,
-    /// Errors of station libraries, and resources that waited where they may not.
-    findings: Vec<json::Finding>,
-}
-
-/// A resource in a run.
-#[derive(JsonSchema, Serialize)]
-struct ResourceEntry {
-    /// The name of the resource.
-    name: String,
-    /// The machine whose station library did the work, if it is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    machine: Option<String>,
-    /// How long its transitions took.
-    busy: f64,
 }
 
 /// Runs the command.
@@ -350,122 +300,4 @@ fn overruns(layout: &Layout, run: &Run) -> Vec<Diagnostic> {
         .with_help("an operation took longer than planned: give the layout the longer time, or let the resource wait there with `nop`")
     });
     found.collect()
-}
-
-/// A run that has ended, with all that is shown of it.
-struct Made<'r> {
-    loaded: &'r LoadedFiles,
-    realization: &'r Realization,
-    layout: &'r Layout,
-    plan: &'r Plan,
-    run: &'r Run,
-    how: How,
-    view: View<'r>,
-}
-
-impl Made<'_> {
-    fn document(&self, seed: u64, findings: &[Diagnostic]) -> Document {
-        let library = &self.loaded.library;
-        let number = |time: i64| schedule::number(self.how.objective(), time);
-        let resources = self.layout.model.resources.iter();
-        let busy = self.run.busy(self.layout.model.resources.len());
-        let name = |demand: &usize| self.view.recipes[*demand].name.clone();
-        Document {
-            schema: schema(DOCUMENT.name),
-            name: words::title(self.realization),
-            file: library
-                .sources
-                .file(self.realization.span.file)
-                .name
-                .clone(),
-            execution: self.how,
-            seed,
-            is_finished: self.run.is_finished,
-            makespan: number(self.run.time),
-            planned: number(self.plan.value),
-            time_unit: match self.run.execution {
-                Execution::Lockstep => TimeUnit::Steps,
-                Execution::Timed => TimeUnit::Seconds,
-            },
-            energy: self.energy(),
-            products: self.plan.products.iter().map(name).collect(),
-            resources: (resources.zip(&self.layout.resources).zip(busy))
-                .map(|((resource, info), busy)| ResourceEntry {
-                    name: resource.name.clone(),
-                    machine: machine_of(library, info).map(|m| m.name.clone()),
-                    busy: number(busy),
-                })
-                .collect(),
-            sections: schedule::sections(&self.view),
-            findings: json::findings(&library.sources, findings),
-        }
-    }
-
-    /// Electrical energy in J.
-    fn energy(&self) -> Option<f64> {
-        let is_timed = self.run.execution == Execution::Timed;
-        is_timed.then(|| schedule::number(Objective::Energy, self.run.energy))
-    }
-
-    fn text(&self) -> String {
-        let value = |time: i64| schedule::value(self.how.objective(), time);
-        let how = match self.how {
-            How::Lockstep => "in lockstep",
-            How::Timed => "timed",
-        };
-        let mut text = format!(
-            "{}, {how}: {}; planned {} in the worst case\n",
-            words::title(self.realization),
-            value(self.run.time),
-            value(self.plan.value)
-        );
-        if self.energy().is_some_and(|joules| joules > 0.0) {
-            let energy = schedule::value(Objective::Energy, self.run.energy);
-            let _ = writeln!(text, "electrical energy {energy}");
-        }
-        if !self.run.is_finished {
-            let _ = writeln!(
-                text,
-                "ended after {}, in a loop of the recipe",
-                count(MAX_POSITIONS, "position")
-            );
-        }
-        text += &schedule::tables(&self.view);
-        text + &self.table()
-    }
-
-    /// How busy each resource was.
-    fn table(&self) -> String {
-        let busy = self.run.busy(self.layout.model.resources.len());
-        let resources = self
-            .layout
-            .model
-            .resources
-            .iter()
-            .zip(&self.layout.resources);
-        let mut rows = vec![["resource", "busy", "", "machine"].map(str::to_owned)];
-        for ((resource, info), busy) in resources.zip(busy) {
-            let share = busy as f64 / self.run.time.max(1) as f64;
-            let machine = machine_of(&self.loaded.library, info);
-            rows.push([
-                resource.name.clone(),
-                schedule::value(self.how.objective(), busy),
-                format!("{:.0} %", share * 100.0),
-                machine.map_or_else(String::new, |m| m.name.clone()),
-            ]);
-        }
-        let width = |column: usize| {
-            let cells = rows.iter().map(|row| row[column].chars().count());
-            cells.max().unwrap_or(0)
-        };
-        let [name, time, share] = [0, 1, 2].map(width);
-        let has_machines = rows[1..].iter().any(|row| !row[3].is_empty());
-        let mut text = String::from("\n");
-        for [a, b, c, d] in &rows {
-            let machine = if has_machines { d } else { "" };
-            let line = format!("{a:name$}  {b:>time$}  {c:>share$}  {machine}");
-            let _ = writeln!(text, "{}", line.trim_end());
-        }
-        text
-    }
 }
