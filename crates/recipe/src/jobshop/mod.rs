@@ -6,9 +6,9 @@
 //! (1979), 287-326, with time lags between tasks. Buffers have room for everything, and the ways
 //! between machines take the lags. [`crate::plan`] uses it as a relaxation of a cell.
 //!
-//! 1. [`local`] finds a good schedule by priority rules and tabu search.
-//! 2. [`propagate`] derives bounds of start times (edge finding).
-//! 3. [`branch`] proves that no schedule is shorter, or finds a shorter one.
+//! 1. `local` finds a good schedule by priority rules and tabu search.
+//! 2. `propagate` derives bounds of start times (edge finding).
+//! 3. `branch` proves that no schedule is shorter, or finds a shorter one.
 //!
 //! All limits are counts, so the result is the same on every machine.
 

@@ -42,7 +42,7 @@
 //! 2. For least time, without tests: the schedule of [`crate::jobshop`] in which buffers are ample
 //!    and transports are never busy. Its length is a lower bound; its order of operations is tried
 //!    in the cell.
-//! 3. A search over all plans ([`search`]), up to a limit of nodes, for one that is better than
+//! 3. A search over all plans (`search`), up to a limit of nodes, for one that is better than
 //!    those. If it ends, the plan is optimal.
 //!
 //! All limits are counts, so the result is the same on every machine. Each plan is replayed by
