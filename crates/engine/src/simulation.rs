@@ -5,12 +5,13 @@ use crate::libraries;
 use crate::parametrized::{ParametrizedController, ParametrizedMachine};
 use crate::speed::{FasterController, speed_up};
 use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::source::Span;
 use linewright_language::contract::line::Line;
 use linewright_line::replicate::replicate;
 use linewright_line::{Batches, Count, Monitor, Observer, Options, Plant, Replications, Trace};
 use linewright_station::load::Library;
 use linewright_station::profile::Profile;
-use linewright_station::{Controller, Package, Toolchain};
+use linewright_station::{CallError, Controller, Package, Toolchain};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -229,6 +230,13 @@ pub(crate) fn build(
     }
 }
 
+/// The finding for a station or resource whose library gives no instance.
+pub(crate) fn not_instantiated(name: &str, at: Span, error: &CallError) -> Diagnostic {
+    let message = format!("`{name}` cannot be instantiated: {error}");
+    Diagnostic::error(codes::LIBRARY_CALL, at, message)
+        .with_help("rebuild its library with --rebuild; `linewright explain LW505` lists the codes")
+}
+
 /// Creates the controller of every station and every conveyor with a machine, by node index.
 fn instances(
     line: &Line,
@@ -254,16 +262,9 @@ fn instances(
                 let controller = ParametrizedController::new(instance, values.clone());
                 controllers.insert(index, Box::new(controller));
             }
-            Some((Err(error), _)) => findings.push(
-                Diagnostic::error(
-                    codes::LIBRARY_CALL,
-                    node.span,
-                    format!("`{}` cannot be instantiated: {error}", node.name),
-                )
-                .with_help(
-                    "rebuild its library with --rebuild; `linewright explain LW505` lists the codes",
-                ),
-            ),
+            Some((Err(error), _)) => {
+                findings.push(not_instantiated(&node.name, node.span, &error));
+            }
             None => {}
         }
     }

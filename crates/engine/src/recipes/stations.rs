@@ -4,7 +4,7 @@
 //! of the machine, unless the layout gives a time of its own. Properties of the machine have their
 //! default values.
 
-use crate::simulation::{Packaged, SimulationOptions, build};
+use crate::simulation::{Packaged, SimulationOptions, build, not_instantiated};
 use crate::synthesis::Synthesis;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::Library;
@@ -140,17 +140,7 @@ impl<'l> Stations<'l> {
             };
             match loaded.library.instance() {
                 Ok(instance) => controllers.push(Some((machine, Box::new(instance)))),
-                Err(error) => {
-                    let name = &resource.name;
-                    findings.push(
-                        Diagnostic::error(
-                            codes::LIBRARY_CALL,
-                            info.name,
-                            format!("`{name}` cannot be instantiated: {error}"),
-                        )
-                        .with_help("rebuild its library with --rebuild; `linewright explain LW505` lists the codes"),
-                    );
-                }
+                Err(error) => findings.push(not_instantiated(&resource.name, info.name, &error)),
             }
         }
         if findings.is_empty() {
