@@ -7,6 +7,7 @@ use linewright_line::random::{Purpose, Stream};
 use linewright_recipe::model::{self, Demand};
 use linewright_recipe::plan::Plan;
 use linewright_recipe::run::{self, Performance, Plant, Run};
+use std::str::FromStr;
 
 /// Maximum number of positions of a plan in a run: a recipe with a loop may never end.
 pub const MAX_POSITIONS: usize = 100;
@@ -27,6 +28,22 @@ pub struct FixedTest {
     pub from: String,
     /// State of the recipe that follows.
     pub to: String,
+}
+
+impl FromStr for FixedTest {
+    type Err = String;
+
+    /// Parses `b=d`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let states = text.split_once('=').map(|(a, b)| (a.trim(), b.trim()));
+        match states {
+            Some((from, to)) if !from.is_empty() && !to.is_empty() => Ok(Self {
+                from: from.to_owned(),
+                to: to.to_owned(),
+            }),
+            _ => Err("write the state of the test and the one that follows, such as `b=d`".into()),
+        }
+    }
 }
 
 impl FixedTest {

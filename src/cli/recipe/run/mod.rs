@@ -30,7 +30,6 @@ use result::Made;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// The arguments of `recipe run`.
 #[derive(Debug, Args)]
@@ -59,7 +58,7 @@ pub struct Arguments {
     pub seed: u64,
     /// In this state of the recipe, go on to that one (repeatable)
     #[arg(long = "test", value_name = "STATE=STATE")]
-    pub tests: Vec<FixedArgument>,
+    pub tests: Vec<FixedTest>,
     /// Draw the run as a Gantt chart (SVG; only timed)
     #[arg(long, value_name = "FILE")]
     pub gantt: Option<PathBuf>,
@@ -100,25 +99,6 @@ impl How {
         match self {
             Self::Lockstep => Objective::Steps,
             Self::Timed => Objective::Time,
-        }
-    }
-}
-
-/// A test with its outcome: `b=d`.
-#[derive(Debug, Clone)]
-pub struct FixedArgument(FixedTest);
-
-impl FromStr for FixedArgument {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let states = text.split_once('=').map(|(a, b)| (a.trim(), b.trim()));
-        match states {
-            Some((from, to)) if !from.is_empty() && !to.is_empty() => Ok(Self(FixedTest {
-                from: from.to_owned(),
-                to: to.to_owned(),
-            })),
-            _ => Err("write the state of the test and the one that follows, such as `b=d`".into()),
         }
     }
 }
@@ -249,8 +229,7 @@ fn one<'l>(selection: &Selection, loaded: &'l LoadedFiles) -> anyhow::Result<&'l
 
 /// Returns how the tests end.
 fn tests(arguments: &Arguments, recipes: &[&Recipe]) -> anyhow::Result<Tests> {
-    let fixed: Vec<FixedTest> = arguments.tests.iter().map(|t| t.0.clone()).collect();
-    for test in &fixed {
+    for test in &arguments.tests {
         if recipes.iter().any(|r| test.is_of(r)) {
             continue;
         }
@@ -277,7 +256,7 @@ fn tests(arguments: &Arguments, recipes: &[&Recipe]) -> anyhow::Result<Tests> {
     }
     Ok(Tests {
         seed: arguments.seed,
-        fixed,
+        fixed: arguments.tests.clone(),
     })
 }
 
