@@ -71,6 +71,20 @@ pub fn separate(layout: &Layout, demands: &[Demand]) -> Products {
     }
 }
 
+impl Products {
+    /// Returns the progress of all products, and states and parts of all resources, at the start.
+    pub fn start(&self) -> (Vec<Status>, Cell) {
+        let resources = self.layout.resources.iter();
+        let cell = resources.map(|r| {
+            let mut holds = r.holds.clone();
+            holds.sort();
+            (r.initial.clone(), holds)
+        });
+        let begins = self.recipes.iter().map(|r| Status::At(r.start.clone()));
+        (begins.collect(), cell.collect())
+    }
+}
+
 /// Progress of a product.
 #[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub enum Status {
@@ -92,15 +106,7 @@ enum Next {
 /// Decides whether the products can be made, with how many vectors.
 pub fn decide(layout: &Layout, demands: &[Demand], max_nodes: usize) -> Answer {
     let products = separate(layout, demands);
-    let cell: Cell = (products.layout.resources.iter())
-        .map(|r| {
-            let mut holds = r.holds.clone();
-            holds.sort();
-            (r.initial.clone(), holds)
-        })
-        .collect();
-    let begins = products.recipes.iter().map(|r| Status::At(r.start.clone()));
-    let start: Node = (begins.collect(), cell);
+    let start: Node = products.start();
     for recipe in &products.recipes {
         if !acceptable(&products.layout, recipe, &recipe.start, &start.1) {
             return Answer::Unrealizable;

@@ -45,16 +45,9 @@ fn seconds(transition: &Transition) -> u8 {
 pub fn least(layout: &Layout, demands: &[Demand], objective: Objective, max_nodes: usize) -> Timed {
     let products = separate(layout, demands);
     let resources = products.layout.resources.len();
-    let cell: Cell = (products.layout.resources.iter())
-        .map(|r| {
-            let mut holds = r.holds.clone();
-            holds.sort();
-            (r.initial.clone(), holds)
-        })
-        .collect();
-    let begins = products.recipes.iter().map(|r| Status::At(r.start.clone()));
+    let (status, cell) = products.start();
     let start = Instant {
-        status: begins.collect(),
+        status,
         ready: vec![0; products.recipes.len()],
         cell,
         busy: vec![0; resources],
