@@ -155,7 +155,8 @@ fn realization(tokens: &[(usize, &str)]) -> Option<(String, usize)> {
             text.push(' ');
         }
         text.push_str(token);
-        if *token == "on" && before != ',' {
+        // After a comma or a number, it is the name of a recipe.
+        if *token == "on" && before != ',' && !before.is_ascii_digit() {
             let (start, layout) = *tokens.get(at + 1)?;
             return is_name(layout).then(|| (format!("{text} {layout}"), start + layout.len()));
         }
