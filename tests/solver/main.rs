@@ -19,6 +19,7 @@ mod library;
 mod monitors;
 mod oracle;
 mod proof;
+mod queries;
 mod random;
 #[path = "../support/mod.rs"]
 mod support;

@@ -60,6 +60,32 @@ pub struct RunQuery {
     pub finitely_often: Vec<usize>,
 }
 
+impl RunQuery {
+    /// The same query with its rules in ascending order.
+    fn in_order(&self) -> Self {
+        let in_order = |rules: &[usize]| {
+            let mut rules = rules.to_vec();
+            rules.sort_unstable();
+            rules
+        };
+        Self {
+            keep: in_order(&self.keep),
+            infinitely_often: in_order(&self.infinitely_often),
+            finitely_often: in_order(&self.finitely_often),
+        }
+    }
+
+    /// Whether this query asks for some of the properties for which another asks, so that every run
+    /// with the other's has these. The rules of both are in order.
+    fn is_weaker(&self, other: &Self) -> bool {
+        let is_subset =
+            |some: &[usize], all: &[usize]| some.iter().all(|rule| all.binary_search(rule).is_ok());
+        is_subset(&self.keep, &other.keep)
+            && is_subset(&self.infinitely_often, &other.infinitely_often)
+            && is_subset(&self.finitely_often, &other.finitely_often)
+    }
+}
+
 /// Required properties of a finite run whose last step breaks a rule. Rules are given by their
 /// index in [`Runs::rules`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -211,11 +237,12 @@ impl Runs {
     /// # Errors
     /// Returns the limit that was reached.
     pub fn has_lasso(&mut self, query: &RunQuery) -> Result<bool, Limit> {
-        if let Some(known) = self.has_lasso.get(query) {
+        let query = query.in_order();
+        if let Some(known) = self.has_lasso.get(&query) {
             return Ok(*known);
         }
-        let found = self.run_query(|engine, rules| engine.has_lasso(rules, query))?;
-        self.has_lasso.insert(query.clone(), found);
+        let found = self.run_query(|engine, rules| engine.has_lasso(rules, &query))?;
+        self.has_lasso.insert(query, found);
         Ok(found)
     }
 

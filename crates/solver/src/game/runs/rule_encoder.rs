@@ -8,7 +8,7 @@ use super::{Lasso, Rule, RunQuery, SafetyViolationQuery, fair, smallest};
 use crate::symbolic::{Encoding, Kernel, Limit, Limits, Order};
 use linewright_core::gr1::{Expr, FormulaKind, Specification, Time, VarId, Variable};
 use rustc_hash::FxHashMap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 
 /// Number of rings after which the first search for a cycle takes place, before all rings are
 /// known.
@@ -20,6 +20,9 @@ const SEARCH_FACTOR: usize = 6;
 /// Number of cached sets of reachable states.
 const CACHED_SETS: usize = 64;
 
+/// Number of cached sets of states with the past that a query asks for.
+const CACHED_PASTS: usize = 32;
+
 /// The rules as functions, encoded on first use, with a cache of reachable states.
 #[derive(Debug)]
 pub struct RuleEncoder<K: Kernel> {
@@ -30,6 +33,9 @@ pub struct RuleEncoder<K: Kernel> {
     functions: FxHashMap<usize, Vec<K::Function>>,
     /// Cache of reachable states by rules and variables, the most recently used last.
     reached: Vec<(Vec<usize>, ReachableStates<K>)>,
+    /// Cache of the reachable states with the past that a query asks for, see [`fair::past`]; the
+    /// oldest first.
+    pasts: VecDeque<(RunQuery, K::Function)>,
 }
 
 /// Where a rule can be violated for the first time.
@@ -86,6 +92,7 @@ impl<K: Kernel> RuleEncoder<K> {
             variables: specification.variables.clone(),
             functions: FxHashMap::default(),
             reached: Vec::new(),
+            pasts: VecDeque::new(),
         })
     }
 
@@ -280,9 +287,10 @@ impl<K: Kernel> RuleEncoder<K> {
     }
 
     /// See [`super::Runs::has_lasso`]. Callers mostly expect that no run exists, so only one early
-    /// search precedes the complete one.
+    /// search precedes the complete one. The rules of the query are in order.
     pub fn lasso_exists(&mut self, rules: &[Rule], query: &RunQuery) -> Result<bool, Limit> {
         let mut search = self.lasso_search(rules, query)?;
+        let possible = self.on_weaker_runs(query);
         let mut past = self.m.constant(false);
         let mut allowance = Allowance::new();
         loop {
@@ -291,14 +299,30 @@ impl<K: Kernel> RuleEncoder<K> {
             }
             let more = search.reached.grow_with(&mut allowance)?;
             if !more || search.reached.depth == FIRST_SEARCH {
-                past = fair::past(&search.steps, &search.reached.all, &search.again)?;
+                let within = self.m.and(&search.reached.all, &possible)?;
+                past = fair::past(&search.steps, &within, &search.again)?;
             }
             if !more || !self.m.is_false(&past) {
                 break;
             }
         }
+        let exists = !self.m.is_false(&past);
+        if exists && search.reached.complete {
+            if self.pasts.len() >= CACHED_PASTS {
+                self.pasts.pop_front();
+            }
+            self.pasts.push_back((query.clone(), past));
+        }
         self.store(search.key, search.reached);
-        Ok(!self.m.is_false(&past))
+        Ok(exists)
+    }
+
+    /// Returns the states that the last query for some of these properties has found. Only they can
+    /// be on runs with all of them.
+    fn on_weaker_runs(&self, query: &RunQuery) -> K::Function {
+        let mut pasts = self.pasts.iter().rev();
+        let weaker = pasts.find(|(weaker, _)| weaker.is_weaker(query));
+        weaker.map_or_else(|| self.m.constant(true), |(_, past)| past.clone())
     }
 
     /// See [`super::Runs::dependencies`].
