@@ -39,6 +39,7 @@ pub(super) fn decide(closed: &ClosedComposition<'_>, limits: &Limits) -> Result<
         book,
         runs,
         reliable: BTreeSet::new(),
+        first_call: None,
         verdict: Verdict::default(),
     };
     decider.safety(no_error)?;
@@ -69,6 +70,8 @@ struct ClosedDecider<'a> {
     runs: Runs,
     /// Components whose justice guarantees can be relied on.
     reliable: BTreeSet<usize>,
+    /// Initial rule that gives the operation of the first call, one that can be the first.
+    first_call: Option<usize>,
     verdict: Verdict,
 }
 
@@ -83,7 +86,7 @@ impl ClosedDecider<'_> {
         let (keep, last) = (self.book.keep.clone(), self.book.last.clone());
         let sound = self.is_sound_by_proof()
             || self.is_sound_by_component(&keep)?
-            || !self.can_break(&keep, &last, all)?;
+            || !self.can_break(&keep, &last, &all)?;
         let obligations = std::mem::take(&mut self.book.obligations);
         for (place, obligation) in obligations.iter().enumerate() {
             let broken = if sound {
@@ -98,14 +101,14 @@ impl ClosedDecider<'_> {
     }
 
     /// Whether a step that keeps the rules `last`, after steps that keep the rules `before`, can
-    /// break one of two rules.
+    /// break one of some rules.
     fn can_break(
         &mut self,
         before: &[usize],
         last: &[usize],
-        rules: [usize; 2],
+        rules: &[usize],
     ) -> Result<bool, Limit> {
-        for broken in rules {
+        for &broken in rules {
             let query = SafetyViolationQuery {
                 before: before.to_vec(),
                 last: last.to_vec(),
@@ -145,7 +148,7 @@ impl ClosedDecider<'_> {
             attempts.dedup();
             let mut can_break = true;
             for before in attempts {
-                can_break = can_break && self.can_break(&before, &last, all)?;
+                can_break = can_break && self.can_break(&before, &last, &all)?;
             }
             if can_break {
                 return Ok(false);
@@ -427,8 +430,7 @@ impl ClosedDecider<'_> {
         let never = watch
             .never_begins(machine, operation)
             .map(|rule| self.runs.add(rule));
-        // The operation can begin if one of the two rules of `never_begins` can be broken.
-        if !self.can_break(&keep, &keep, never)? {
+        if !self.can_begin(never)? {
             let by = self.forbidding(watch.operation, never)?;
             return Ok(Some(FailureKind::NeverBegins(by)));
         }
@@ -449,6 +451,27 @@ impl ClosedDecider<'_> {
         let runs = watch.runs(machine, operation);
         let ends = self.add(FormulaKind::Justice, done.or(runs.not()).simplify());
         Ok(self.starved(ends)?.map(FailureKind::Endless))
+    }
+
+    /// Whether an operation can begin: whether one of the two rules of `never_begins` can be broken.
+    fn can_begin(&mut self, [first, later]: [usize; 2]) -> Result<bool, Limit> {
+        let keep = self.book.keep.clone();
+        if self.can_break(&keep, &keep, &[first])? {
+            if self.first_call.is_none() {
+                let Rule { kind, expr } = self.runs.rules()[first].clone();
+                self.first_call = Some(self.add(kind, expr.not().simplify()));
+            }
+            return Ok(true);
+        }
+        // Mostly, an operation can follow that of the first call, and if this is given, far fewer
+        // states have to be explored.
+        if let Some(given) = self.first_call {
+            let keep = [&keep[..], &[given]].concat();
+            if self.can_break(&keep, &keep, &[later])? {
+                return Ok(true);
+            }
+        }
+        self.can_break(&keep, &keep, &[later])
     }
 
     /// Returns the assumptions that prevent an operation from beginning: each assumption without
@@ -479,7 +502,7 @@ impl ClosedDecider<'_> {
                 keep.extend(loose);
             }
             keep.retain(|rule| !left_out.contains(rule));
-            if self.can_break(&keep, &keep, never)? {
+            if self.can_break(&keep, &keep, &never)? {
                 single.push(first);
             }
             let mut speaks = false;
