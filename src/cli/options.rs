@@ -184,13 +184,14 @@ impl GlobalOptions {
         }
     }
 
-    /// When the command is terminated even if it does not check its limits.
+    /// When the command is terminated even if it does not check its limits. The worker that runs the
+    /// command allows 1/16 more memory, so that this is at 1.03 times the memory.
     pub fn hard_deadline(&self) -> Deadline {
         self.timeout
             .map_or(Deadline::NONE, |limit| {
                 Deadline::after(self.began, limit).extended(GRACE)
             })
-            .with_memory_limit(&MEMORY, self.memory_bytes().max(LEAST_MEMORY))
+            .with_memory_limit(&MEMORY, (self.memory_bytes() / 32 * 31).max(LEAST_MEMORY))
     }
 
     fn memory_bytes(&self) -> u64 {

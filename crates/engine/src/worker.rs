@@ -7,20 +7,24 @@
 use super::internal;
 use linewright_core::deadline::{Deadline, StopReason};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::Duration;
-#[cfg(test)]
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Time after the deadline in which the work can still notice the deadline by itself. Its own
 /// answer says more than the values reported before.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Interval between checks of the deadline; an interrupt can bring the deadline forward, and memory
-/// can grow by a gigabyte in a second.
+/// Interval between checks of the deadline; an interrupt can bring the deadline forward.
 const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
-/// Number of checks of the deadline between two calls of `waiting`.
-const POLLS_PER_CALL: u32 = 10;
+/// The same while the process may take less than [`LITTLE_BYTES`] more: memory can grow by a
+/// gigabyte in a second.
+const POLL_INTERVAL_NEAR_MEMORY_LIMIT: Duration = Duration::from_millis(1);
+
+/// See [`POLL_INTERVAL_NEAR_MEMORY_LIMIT`].
+const LITTLE_BYTES: u64 = 32 << 20;
+
+/// Interval between two calls of `waiting`.
+const CALL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Stack size in bytes. Formulas can be nested arbitrarily deep, and are processed recursively.
 pub const STACK_BYTES: usize = 256 << 20;
@@ -59,16 +63,21 @@ where
     });
     let thread = thread.unwrap_or_else(|e| panic!("cannot start a thread: {e}"));
     let mut reported = None;
-    let mut polls = 0_u32;
+    let mut called = Instant::now();
     loop {
-        let left = last.remaining().unwrap_or(POLL_INTERVAL);
-        match receiver.recv_timeout(left.min(POLL_INTERVAL)) {
+        let interval = if last.memory_left() < LITTLE_BYTES {
+            POLL_INTERVAL_NEAR_MEMORY_LIMIT
+        } else {
+            POLL_INTERVAL
+        };
+        let left = last.remaining().unwrap_or(interval);
+        match receiver.recv_timeout(left.min(interval)) {
             Ok(Ok(result)) => return Completion::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
             Err(RecvTimeoutError::Timeout) => {
-                polls = polls.wrapping_add(1);
-                if polls.is_multiple_of(POLLS_PER_CALL) {
+                if called.elapsed() >= CALL_INTERVAL {
                     waiting(reported.as_ref());
+                    called = Instant::now();
                 }
                 last.sample_memory();
                 if let Err(late) = last.check() {
