@@ -419,7 +419,8 @@ fn with_numbers_for_names(entry: &Entry) -> String {
         if (first.is_alphabetic() || first == '_') && !WORDS.contains(&piece) {
             let next = numbers.len();
             let number = numbers.entry(piece).or_insert(next);
-            shown.push_str(&format!("n{number}"));
+            shown.push('n');
+            shown.push_str(&number.to_string());
         } else {
             shown.push_str(piece);
         }
