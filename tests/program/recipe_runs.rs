@@ -124,6 +124,155 @@ fn machines_work_with_their_station_libraries() {
 }
 
 #[test]
+fn the_controller_takes_the_steps_of_the_plan() {
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    let controller = "--coordinator controller";
+    let mut steps = Vec::new();
+    for outcomes in OUTCOMES {
+        let line = format!("examples/pad/hinge.lw --execution lockstep {outcomes}");
+        let (by_plan, by_controller) = (
+            run(folder, &line),
+            run(folder, &format!("{line} {controller}")),
+        );
+        assert_eq!(by_plan["coordinator"], "plan");
+        assert_eq!(by_controller["coordinator"], "controller");
+        for field in ["makespan", "planned", "is_finished", "products"] {
+            assert_eq!(by_plan[field], by_controller[field], "{field} {outcomes}");
+        }
+        let outcomes = |run: &Value| -> Vec<Value> {
+            let sections = run["sections"].as_array().expect("sections").iter();
+            sections
+                .map(|s| s["outcome"]["transition"].clone())
+                .collect()
+        };
+        assert_eq!(outcomes(&by_plan), outcomes(&by_controller));
+        steps.push(by_controller["makespan"].as_f64().expect("a number"));
+    }
+    assert_eq!(steps.into_iter().reduce(f64::max), Some(21.0));
+    for seed in 1..=6 {
+        let line = format!(
+            "recipe run examples/pad/hinge.lw --execution lockstep --seed {seed} {controller}"
+        );
+        let (code, first) = text(folder, &line);
+        assert_eq!(code, 0, "{first}");
+        assert!(
+            first.contains("in lockstep, by the controller: "),
+            "{first}"
+        );
+        assert_eq!(text(folder, &line), (0, first));
+    }
+    let message = refused(
+        folder,
+        &format!("recipe run examples/pad/several.lw {controller}"),
+    );
+    assert!(
+        message.contains("a controller coordinates one: leave out `--coordinator controller`"),
+        "{message}"
+    );
+}
+
+/// The sum of the longest durations of a timed run by the controller. A vector begins when all
+/// resources have ended the one before it; a transfer begins with the side that gives.
+fn sum_of_vectors(run: &Value) -> f64 {
+    let sections = run["sections"].as_array().expect("sections").iter();
+    let moves = sections.filter_map(|s| s["moves"].as_array()).flatten();
+    let mut events: Vec<(u64, f64, f64)> = Vec::new();
+    for entry in moves {
+        let number = |field: &str| entry[field].as_f64().expect("a number");
+        let (event, start, end) = (entry["event"].as_u64(), number("start"), number("end"));
+        let event = event.expect("a number");
+        match events.last_mut().filter(|e| e.0 == event) {
+            Some(known) => (known.1, known.2) = (known.1.min(start), known.2.max(end)),
+            None => events.push((event, start, end)),
+        }
+    }
+    let vectors = events.chunk_by(|a, b| a.1 == b.1);
+    let longest = vectors.map(|v| v.iter().map(|e| e.2 - e.1).fold(0.0, f64::max));
+    longest.sum()
+}
+
+#[test]
+fn the_controller_lets_all_resources_end_a_vector() {
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    let controller = "--coordinator controller";
+    for outcomes in OUTCOMES {
+        let line = format!("examples/pad/times.lw {outcomes}");
+        let by_plan = run(folder, &line);
+        let (code, by_controller) = document(folder, &format!("recipe run {line} {controller}"));
+        let makespan = by_controller["makespan"].as_f64().expect("a number");
+        assert!(Some(makespan) >= by_plan["makespan"].as_f64());
+        assert_eq!(makespan, sum_of_vectors(&by_controller));
+        let findings = by_controller["findings"].as_array().expect("findings");
+        assert!(
+            findings.iter().all(|f| f["code"] == "LW612"),
+            "{findings:?}"
+        );
+        assert_eq!(code, i32::from(!findings.is_empty()));
+    }
+    let file = "examples/cell/cell.lw --test measured=reworked";
+    let (by_plan, by_controller) = (
+        run(folder, file),
+        run(folder, &format!("{file} {controller}")),
+    );
+    assert!(by_controller["makespan"].as_f64() >= by_plan["makespan"].as_f64());
+    assert_eq!(by_controller["makespan"], sum_of_vectors(&by_controller));
+    // The same machines have done the same work with their libraries.
+    assert_eq!(by_controller["resources"], by_plan["resources"]);
+    assert_eq!(run(folder, &format!("{file} {controller}")), by_controller);
+    let made = format!("{file} {controller} --gantt cell.svg --performance cell.xml");
+    run(folder, &made);
+    let chart = std::fs::read_to_string(folder.join("cell.svg")).expect("a chart");
+    assert!(chart.contains("center"));
+}
+
+#[test]
+fn a_short_operation_waits_for_a_long_one_of_its_vector() {
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    let model = "layout Cell {
+    resource a at s0 {
+        s0 -> s1: make in 1 s
+        s1 -> s2: heat in 2 s
+        s2 -> s0: drop in 1 s
+        nop s0
+    }
+    resource b at s0 {
+        s0 -> s0: make2 in 5 s, work in 5 s, drop2 in 1 s
+        nop s0
+    }
+}
+
+recipe Both {
+    part p: Part, q: Part
+    start x
+    x -> y: make()(p) || make2()(q); heat(p)(p) || work(q)(q); drop(p)() || drop2(q)()
+    end y
+}
+
+realize Both on Cell
+";
+    std::fs::write(folder.join("both.lw"), model).expect("written");
+    let line = "recipe run both.lw --coordinator controller";
+    let (code, steps) = document(folder, &format!("{line} --execution lockstep"));
+    assert_eq!((code, steps["makespan"].as_f64()), (0, Some(3.0)));
+    let (code, timed) = document(folder, line);
+    assert_eq!((code, timed["makespan"].as_f64()), (1, Some(11.0)));
+    // A plan does not let the resource wait, so there is none.
+    assert!(timed["planned"].is_null());
+    let findings = timed["findings"].as_array().expect("findings").iter();
+    let messages: Vec<&str> = findings.filter_map(|f| f["message"].as_str()).collect();
+    assert_eq!(
+        messages,
+        [
+            "`a` waited from 1 s to 5 s in `s1`, where it may not",
+            "`a` waited from 7 s to 10 s in `s2`, where it may not"
+        ]
+    );
+}
+
+#[test]
 fn what_was_done_is_written_as_b2mml() {
     let sandbox = sandbox();
     let folder = sandbox.path();
@@ -195,6 +344,9 @@ realize Loop on Cell
     assert_eq!(endless["is_finished"], false);
     // One position for each round, and the first that makes the part.
     assert_eq!(endless["makespan"].as_f64(), Some(1.0 + 100.0 * 2.0));
+    let controlled = run(folder, "loop.lw --test y=y --coordinator controller");
+    assert_eq!(controlled["is_finished"], false);
+    assert_eq!(controlled["makespan"], endless["makespan"]);
     let numbers = endless["sections"].as_array().expect("sections").iter();
     let numbers: Vec<&str> = numbers.filter_map(|s| s["number"].as_str()).collect();
     assert_eq!(numbers[..3], ["1", "2", "3"]);

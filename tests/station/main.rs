@@ -17,7 +17,7 @@ mod profile;
 #[expect(dead_code, reason = "only its random numbers are used here")]
 #[path = "../solver/random.rs"]
 mod random;
-#[expect(dead_code, reason = "neither times nor second recipes are used here")]
+#[expect(dead_code, reason = "second recipes are not used here")]
 #[path = "../../crates/recipe/tests/support/random.rs"]
 mod random_cells;
 mod recipes;

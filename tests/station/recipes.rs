@@ -7,6 +7,7 @@ mod cells;
 mod mutants;
 mod plan;
 mod ports;
+mod runs;
 
 use crate::structured_text::play::{compare, compiled};
 use cells::Made;
@@ -48,6 +49,17 @@ fn in_lockstep_the_vectors_are_those_of_the_plan() {
     }
     println!("{runs} runs");
     assert!(runs > 50, "{runs}");
+}
+
+#[test]
+fn runs_have_the_steps_of_the_plan_and_the_time_of_their_vectors() {
+    let mut counts = runs::Counts::default();
+    for (seed, made) in (0..).zip(cells::all()) {
+        runs::compare(&made, seed, &mut counts);
+    }
+    println!("{counts:?}");
+    assert!(counts.runs > 50 && counts.loops > 5 && counts.tests > 20);
+    assert!(counts.overruns > 5 && counts.timed > 5);
 }
 
 #[test]

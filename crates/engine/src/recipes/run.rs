@@ -1,11 +1,13 @@
-//! Runs of what is to be made: a plan is carried out, with station libraries for the resources that
-//! are machines.
+//! Runs of what is to be made: a plan is carried out, or a controller coordinates the cell, with
+//! station libraries for the resources that are machines.
 
+use super::machine::{self, RecipeMachine, Stopped};
 use super::stations::Stations;
+use crate::internal::Fault;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_line::random::{Purpose, Stream};
 use linewright_recipe::model::{self, Demand};
-use linewright_recipe::plan::Plan;
+use linewright_recipe::plan::{Execution, Plan};
 use linewright_recipe::run::{self, Performance, Plant, Run};
 use std::str::FromStr;
 
@@ -65,26 +67,67 @@ pub fn run(
     stations: &mut Stations<'_>,
     tests: &Tests,
 ) -> Result<Run, Box<Diagnostic>> {
-    let streams = (0..plan.products.len())
-        .map(|product| Stream::new(tests.seed, Purpose::Tests, &product.to_string()));
-    let mut cell = Cell {
-        demands,
-        plan,
-        stations,
-        fixed: &tests.fixed,
-        streams: streams.collect(),
-    };
+    let recipes = plan.products.iter().map(|d| &demands[*d].recipe);
+    let mut cell = Cell::new(recipes.collect(), stations, tests);
     run::run(layout, demands, plan, &mut cell, MAX_POSITIONS)
 }
 
-/// A cell that carries a plan out.
+/// Lets the controller of a recipe coordinate a layout whose model is `layout`. It must be one that
+/// [`machine::build`] has made for them.
+///
+/// # Errors
+/// A station library returns an error.
+pub fn coordinate(
+    layout: &model::Layout,
+    recipe: &model::Recipe,
+    controller: &RecipeMachine,
+    execution: Execution,
+    stations: &mut Stations<'_>,
+    tests: &Tests,
+) -> Result<Run, Box<Diagnostic>> {
+    let mut cell = Cell::new(vec![recipe], stations, tests);
+    let run = machine::run(
+        layout,
+        recipe,
+        controller,
+        &mut cell,
+        execution,
+        MAX_POSITIONS,
+    );
+    run.map_err(|stopped| match stopped {
+        Stopped::Plant(finding) => finding,
+        Stopped::Machine(message) => {
+            let doing = format!("running `{}` on `{}`", recipe.name, layout.name);
+            Box::new(Fault::detected(doing, message).finding(None))
+        }
+    })
+}
+
+/// A cell that makes products.
 struct Cell<'a, 'l> {
-    demands: &'a [Demand],
-    plan: &'a Plan,
+    /// The recipe of each product.
+    recipes: Vec<&'a model::Recipe>,
     stations: &'a mut Stations<'l>,
     fixed: &'a [FixedTest],
     /// Random numbers of each product.
     streams: Vec<Stream>,
+}
+
+impl<'a, 'l> Cell<'a, 'l> {
+    fn new(
+        recipes: Vec<&'a model::Recipe>,
+        stations: &'a mut Stations<'l>,
+        tests: &'a Tests,
+    ) -> Self {
+        let streams = (0..recipes.len())
+            .map(|product| Stream::new(tests.seed, Purpose::Tests, &product.to_string()));
+        Self {
+            streams: streams.collect(),
+            recipes,
+            stations,
+            fixed: &tests.fixed,
+        }
+    }
 }
 
 impl Plant for Cell<'_, '_> {
@@ -101,7 +144,7 @@ impl Plant for Cell<'_, '_> {
     fn test(&mut self, product: usize, transitions: &[usize]) -> usize {
         // A draw for each test, so that a fixed test changes no other.
         let drawn = self.streams[product].below(transitions.len() as u64) as usize;
-        let recipe = &self.demands[self.plan.products[product]].recipe;
+        let recipe = self.recipes[product];
         let is_fixed = |number: &&usize| {
             let transition = &recipe.transitions[**number];
             let same = |f: &FixedTest| f.from == transition.from && f.to == transition.to;

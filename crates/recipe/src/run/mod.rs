@@ -13,10 +13,14 @@
 //! So if everything takes its time of the layout, the run is the plan. If something takes longer,
 //! the run is late, and a resource may have to wait in a state where it may not; this is an
 //! [`Overrun`].
+//!
+//! [`Vectors`] are a run without a plan: a controller says what each resource does next.
 
 mod clock;
+mod vectors;
 
 pub use clock::Overrun;
+pub use vectors::Vectors;
 
 use crate::model::{Action, Demand, Layout};
 use crate::plan::{Entry, EntrySubject, Execution, Next, Plan, PlanPosition, Schedule};
@@ -83,6 +87,20 @@ pub struct TestResult {
 }
 
 impl Run {
+    /// Creates a run in which nothing has happened.
+    fn new(execution: Execution) -> Self {
+        Self {
+            execution,
+            entries: Vec::new(),
+            tests: Vec::new(),
+            loops: Vec::new(),
+            time: 0,
+            energy: 0,
+            is_finished: false,
+            overruns: Vec::new(),
+        }
+    }
+
     /// Returns the run as a plan with one position, whose tests have only the outcomes that
     /// occurred.
     pub fn as_plan(&self, plan: &Plan) -> Plan {
@@ -146,16 +164,7 @@ pub fn run<P: Plant>(
         layout,
         plant,
         clock: Clock::new(layout, products),
-        run: Run {
-            execution: plan.execution(),
-            entries: Vec::new(),
-            tests: Vec::new(),
-            loops: Vec::new(),
-            time: 0,
-            energy: 0,
-            is_finished: false,
-            overruns: Vec::new(),
-        },
+        run: Run::new(plan.execution()),
     };
     let mut next = (!plan.positions.is_empty()).then_some(0);
     for _ in 0..positions {
@@ -165,10 +174,7 @@ pub fn run<P: Plant>(
             .enter(&plan.positions[position].resource_states);
         next = runner.position(&plan.positions[position].schedule)?;
     }
-    runner.run.is_finished = next.is_none();
-    runner.run.time = runner.clock.base();
-    runner.run.overruns = runner.clock.overruns;
-    Ok(runner.run)
+    Ok(runner.end(next.is_none()))
 }
 
 /// A run that goes on.
@@ -222,6 +228,16 @@ impl<P: Plant> Runner<'_, P> {
                     });
                 }
             }
+        }
+    }
+
+    /// Ends the run.
+    fn end(self, is_finished: bool) -> Run {
+        Run {
+            is_finished,
+            time: self.clock.base(),
+            overruns: self.clock.overruns,
+            ..self.run
         }
     }
 

@@ -1,7 +1,9 @@
 //! `linewright recipe run`: the cell makes its products once.
 
+mod coordinator;
 mod result;
 
+pub use coordinator::Coordinator;
 pub use result::DOCUMENT;
 
 use super::schedule::{self, View};
@@ -16,9 +18,10 @@ use crate::contract::set::Setting;
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::files::LoadedFiles;
 use crate::engine::output;
-use crate::engine::recipes::run::{FixedTest, Tests, run as carry_out};
+use crate::engine::pipeline::Verdict;
+use crate::engine::recipes::run::{FixedTest, Tests, coordinate, run as carry_out};
 use crate::engine::recipes::stations::Stations;
-use crate::engine::recipes::{self, Aim, words};
+use crate::engine::recipes::{self, Aim, Solution, words};
 use crate::engine::simulation::SimulationOptions;
 use crate::event_log::Epoch;
 use crate::line::Options;
@@ -37,15 +40,23 @@ use std::path::PathBuf;
     linewright recipe run examples/pad/times.lw
     linewright recipe run examples/pad/times.lw --test b=d --seed 7
     linewright recipe run examples/pad/hinge.lw --execution lockstep
+    linewright recipe run examples/pad/hinge.lw --execution lockstep --coordinator controller
     linewright recipe run examples/cell/cell.lw --gantt cell.svg
 
-The run follows the plan with least time (timed) or least steps (lockstep). A resource that is a \
+The run follows the plan with least time (timed) or least steps (lockstep). With --coordinator \
+controller, the synthesized controller of `synth` commands the resources, vector by vector: the \
+next vector begins when all resources have ended. It takes least steps in the worst case; timed, it \
+takes the sum of the longest durations, which is at least the least time of a plan. It coordinates \
+one product.
+
+A resource that is a \
 machine does its work with the machine's station library, which is compiled first; other resources \
 take the times of the layout. The outcome of a test is drawn from the random seed, all outcomes \
 with the same probability, unless --test gives it.
 
 The exit code is 1 if a library returns an error, or a resource had to wait in a state where it may \
-not because an operation took longer than planned.")]
+not: because an operation took longer than planned or, in a vector, because another resource takes \
+longer.")]
 pub struct Arguments {
     /// The file, and a recipe or layout of one of its statements `realize`
     #[arg(value_name = "FILE[::NAME]")]
@@ -53,6 +64,9 @@ pub struct Arguments {
     /// How the plan is executed
     #[arg(long, value_enum, default_value = "timed", value_name = "HOW")]
     pub execution: How,
+    /// What coordinates the resources
+    #[arg(long, value_enum, default_value = "plan", value_name = "WHAT")]
+    pub coordinator: Coordinator,
     /// Random seed for the outcomes of tests
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
@@ -128,6 +142,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .into_iter()
         .map(|r| &r.model)
         .collect();
+    coordinator::check(arguments.coordinator, realization)?;
     let tests = tests(arguments, &recipes)?;
     let (Some(layout), _) = subject::models(&loaded, realization) else {
         anyhow::bail!("the layout `{}` cannot be used", realization.layout);
@@ -143,12 +158,34 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         as_plan: true,
     };
     let decision = recipes::plan_on(&timed, &loaded.library, realization, aim);
-    let solution = decision.solution.as_ref();
-    let Some(plan) = solution.and_then(recipes::Solution::plan) else {
-        console.failed(DOCUMENT.name, sources, &decision.findings)?;
-        return Ok(options
-            .exit_code(&decision.findings)
-            .and(decision.verdict.into()));
+    let failed = |verdict: Verdict, findings: &[Diagnostic]| {
+        console.failed(DOCUMENT.name, sources, findings)?;
+        Ok(options.exit_code(findings).and(verdict.into()))
+    };
+    let planned = decision.solution.as_ref().map(Solution::value);
+    let without = || {
+        let by_controller = arguments.coordinator == Coordinator::Controller;
+        let is_timed = by_controller && how == How::Timed;
+        let start = is_timed.then(|| coordinator::start(&timed, &loaded.library, realization, aim));
+        start.flatten()
+    };
+    let plan = match decision.solution {
+        Some(Solution::Plan(plan)) => Some(plan),
+        _ => without(),
+    };
+    let Some(plan) = &plan else {
+        return failed(decision.verdict, &decision.findings);
+    };
+    let controller = match arguments.coordinator {
+        Coordinator::Plan => None,
+        Coordinator::Controller => {
+            let made =
+                coordinator::controller(&timed, &loaded.library, realization, options.effort);
+            match made {
+                Ok(made) => Some(made),
+                Err((verdict, findings)) => return failed(verdict, &findings),
+            }
+        }
     };
     let default = default_folder(&selection.path);
     let folder = arguments.out.as_deref().unwrap_or(&default);
@@ -165,7 +202,19 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .map(|(wanted, recipe)| Demand::new((*recipe).clone(), wanted.count as usize))
         .collect();
     let made = built.and_then(|mut stations| {
-        carry_out(&timed.model, &demands, plan, &mut stations, &tests).map_err(|e| vec![*e])
+        let (model, stations) = (&timed.model, &mut stations);
+        let made = match &controller {
+            None => carry_out(model, &demands, plan, stations, &tests),
+            Some(machine) => coordinate(
+                model,
+                recipes[0],
+                machine,
+                plan.execution(),
+                stations,
+                &tests,
+            ),
+        };
+        made.map_err(|e| vec![*e])
     });
     let made = match made {
         Ok(made) => made,
@@ -174,15 +223,17 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             return Ok(options.exit_code(&findings));
         }
     };
-    let findings: Vec<Diagnostic> = overruns(layout, &made);
+    let findings: Vec<Diagnostic> = overruns(layout, &made, arguments.coordinator);
     let shown = made.as_plan(plan);
     let result = Made {
         loaded: &loaded,
         realization,
         layout,
         plan,
+        planned,
         run: &made,
         how,
+        coordinator: arguments.coordinator,
         view: View::of_run(&shown, &timed.model, recipes),
     };
     print_result(
@@ -261,7 +312,15 @@ fn tests(arguments: &Arguments, recipes: &[&Recipe]) -> anyhow::Result<Tests> {
 }
 
 /// The findings about resources that waited where they may not.
-fn overruns(layout: &Layout, run: &Run) -> Vec<Diagnostic> {
+fn overruns(layout: &Layout, run: &Run, coordinator: Coordinator) -> Vec<Diagnostic> {
+    let help = match coordinator {
+        Coordinator::Plan => {
+            "an operation took longer than planned: give the layout the longer time, or let the resource wait there with `nop`"
+        }
+        Coordinator::Controller => {
+            "another resource of the vector takes longer: let the resource wait there with `nop`, or leave out `--coordinator controller`"
+        }
+    };
     let found = run.overruns.iter().map(|overrun| {
         let resource = &layout.model.resources[overrun.resource];
         let info = &layout.resources[overrun.resource];
@@ -276,7 +335,7 @@ fn overruns(layout: &Layout, run: &Run) -> Vec<Diagnostic> {
                 schedule::instant(overrun.to)
             ),
         )
-        .with_help("an operation took longer than planned: give the layout the longer time, or let the resource wait there with `nop`")
+        .with_help(help)
     });
     found.collect()
 }

@@ -1,6 +1,6 @@
 //! What is shown of a run: text and JSON.
 
-use super::How;
+use super::{Coordinator, How};
 use crate::cli::console::{Failed, count, schema};
 use crate::cli::recipe::aligned;
 use crate::cli::recipe::schedule::{self, ScheduleSection, TimeUnit, View};
@@ -32,16 +32,20 @@ pub(super) struct Document {
     name: String,
     /// The file with the statement.
     file: String,
-    /// How the plan was executed.
+    /// How the transitions were executed.
     execution: How,
+    /// What coordinated the resources.
+    coordinator: Coordinator,
     /// Random seed for the outcomes of tests.
     seed: u64,
     /// Whether all products are finished. If not, the recipe has a loop that was still going on.
     is_finished: bool,
     /// When the run ended.
     makespan: f64,
-    /// What the plan takes in the worst case over the outcomes of the tests.
-    planned: f64,
+    /// What the plan takes in the worst case over the outcomes of the tests. A controller may make
+    /// the product with times for which no plan was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    planned: Option<f64>,
     /// Unit of all times.
     time_unit: TimeUnit,
     /// Electrical energy in J; only timed.
@@ -75,8 +79,11 @@ pub(super) struct Made<'r> {
     pub realization: &'r Realization,
     pub layout: &'r Layout,
     pub plan: &'r Plan,
+    /// Value of the plan, if one was found.
+    pub planned: Option<u64>,
     pub run: &'r Run,
     pub how: How,
+    pub coordinator: Coordinator,
     pub view: View<'r>,
 }
 
@@ -97,10 +104,11 @@ impl Made<'_> {
                 .name
                 .clone(),
             execution: self.how,
+            coordinator: self.coordinator,
             seed,
             is_finished: self.run.is_finished,
             makespan: number(self.run.time),
-            planned: number(self.plan.value),
+            planned: self.planned.map(|value| number(value as i64)),
             time_unit: match self.run.execution {
                 Execution::Lockstep => TimeUnit::Steps,
                 Execution::Timed => TimeUnit::Seconds,
@@ -132,11 +140,18 @@ impl Made<'_> {
             How::Lockstep => "in lockstep",
             How::Timed => "timed",
         };
+        let by = match self.coordinator {
+            Coordinator::Plan => "",
+            Coordinator::Controller => ", by the controller",
+        };
+        let planned = self.planned.map_or_else(
+            || "no plan was found with these times".to_owned(),
+            |planned| format!("planned {} in the worst case", value(planned as i64)),
+        );
         let mut text = format!(
-            "{}, {how}: {}; planned {} in the worst case\n",
+            "{}, {how}{by}: {}; {planned}\n",
             words::title(self.realization),
             value(self.run.time),
-            value(self.plan.value)
         );
         if self.energy().is_some_and(|joules| joules > 0.0) {
             let energy = schedule::value(Objective::Energy, self.run.energy);

@@ -1,7 +1,7 @@
 //! Executes vectors on a layout, given by the labels of a machine.
 
 use super::{Command, RecipeMachine};
-use linewright_recipe::model::{Action, Layout, OperationCall, Recipe, Resource, Step};
+use linewright_recipe::model::{Action, Layout, Recipe, Resource, Step};
 
 /// States and parts of all resources.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,6 +19,16 @@ pub(super) struct Progress {
     pub performed: usize,
     pub cell: Cell,
 }
+
+/// What a vector leads to.
+pub(super) struct Vector {
+    pub after: Progress,
+    /// For each resource that performs an operation, its index and the call of the step.
+    pub calls: Calls,
+}
+
+/// Resources with calls of a step, as indices.
+type Calls = Vec<(usize, usize)>;
 
 /// What is executed.
 pub(super) struct Execution<'a> {
@@ -52,7 +62,7 @@ impl Execution<'_> {
     }
 
     /// Returns what a vector can lead to; nothing if it is impossible.
-    pub fn apply(&self, before: &Progress, labels: &[i64]) -> Vec<Progress> {
+    pub fn apply(&self, before: &Progress, labels: &[i64]) -> Vec<Vector> {
         let resources = &self.layout.resources;
         let mut after = before.cell.clone();
         let (mut given, mut taking, mut acting) = (Vec::new(), Vec::new(), Vec::new());
@@ -103,20 +113,23 @@ impl Execution<'_> {
         }
         let mut cells = Vec::new();
         if acting.is_empty() {
-            cells.push(after);
+            cells.push((after, Vec::new()));
         } else if let Some(step) = self.next_step(before)
             && step.operations.len() == acting.len()
         {
-            let mut free: Vec<&OperationCall> = step.operations.iter().collect();
-            self.perform(&before.cell, &acting, &mut free, &after, &mut cells);
+            let found = (after, Vec::new());
+            self.perform(&before.cell, step, &acting, &found, &mut cells);
         }
         let performed = before.performed + usize::from(!acting.is_empty());
-        let progress = |cell| Progress {
-            transition: before.transition,
-            performed,
-            cell,
+        let vector = |(cell, calls)| Vector {
+            after: Progress {
+                transition: before.transition,
+                performed,
+                cell,
+            },
+            calls,
         };
-        cells.into_iter().map(progress).collect()
+        cells.into_iter().map(vector).collect()
     }
 
     fn next_step(&self, progress: &Progress) -> Option<&Step> {
@@ -129,10 +142,10 @@ impl Execution<'_> {
     fn perform(
         &self,
         before: &Cell,
+        step: &Step,
         acting: &[(usize, &Command)],
-        free: &mut Vec<&OperationCall>,
-        after: &Cell,
-        found: &mut Vec<Cell>,
+        after: &(Cell, Calls),
+        found: &mut Vec<(Cell, Calls)>,
     ) {
         let Some(((at, command), rest)) = acting.split_first() else {
             found.push(after.clone());
@@ -140,9 +153,10 @@ impl Execution<'_> {
         };
         let resource = &self.layout.resources[*at];
         let action = &resource.transitions[command.action].action;
-        for number in 0..free.len() {
-            let call = free[number];
-            let is_meant = *action == Action::Operation(call.name.clone())
+        for (number, call) in step.operations.iter().enumerate() {
+            let is_free = after.1.iter().all(|(_, taken)| *taken != number);
+            let is_meant = is_free
+                && *action == Action::Operation(call.name.clone())
                 && command.parts.as_ref().is_none_or(|p| *p == call.inputs)
                 && command.made.as_ref().is_none_or(|m| *m == call.outputs);
             let Some(mut held) = self.without(before, *at, &call.inputs) else {
@@ -153,10 +167,9 @@ impl Execution<'_> {
                 continue;
             }
             let mut next = after.clone();
-            next.parts[*at] = sorted(held);
-            free.remove(number);
-            self.perform(before, rest, free, &next, found);
-            free.insert(number, call);
+            next.0.parts[*at] = sorted(held);
+            next.1.push((*at, number));
+            self.perform(before, step, rest, &next, found);
         }
     }
 

@@ -15,10 +15,13 @@
 //! resources perform.
 
 mod commands;
+mod events;
 mod execution;
+mod run;
 mod verify;
 
 pub use commands::Command;
+pub use run::{Stopped, run};
 pub use verify::{MachineFault, verify};
 
 use super::words;

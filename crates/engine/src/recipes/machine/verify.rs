@@ -41,15 +41,22 @@ struct Node {
 }
 
 /// Inputs of which some are known. One that is asked for and not known is remembered.
-struct Inputs {
-    known: Outcomes,
-    asked: Slot<Option<usize>>,
+pub(super) struct Inputs {
+    pub known: Outcomes,
+    pub asked: Slot<Option<usize>>,
 }
 
 /// An input that is not known matters.
-struct Unknown;
+pub(super) struct Unknown;
 
 impl Inputs {
+    pub fn new(known: Outcomes) -> Self {
+        Self {
+            known,
+            asked: Slot::new(None),
+        }
+    }
+
     fn get(&self, input: usize) -> Option<bool> {
         let known = self.known.get(&input).copied();
         if known.is_none() {
@@ -67,10 +74,7 @@ fn for_all<T>(
 ) -> Result<Vec<T>, MachineFault> {
     let (mut open, mut found) = (vec![given], Vec::new());
     while let Some(known) = open.pop() {
-        let inputs = Inputs {
-            known,
-            asked: Slot::new(None),
-        };
+        let inputs = Inputs::new(known);
         if let Some(result) = compute(&inputs) {
             found.push(result?);
             continue;
@@ -173,7 +177,7 @@ impl Execution<'_> {
     }
 
     /// Returns the transition that the machine takes; `None` if it depends on another input.
-    fn step(
+    pub fn step(
         &self,
         state: Option<usize>,
         inputs: &Inputs,
@@ -208,7 +212,7 @@ impl Execution<'_> {
         for one in &node.meanings {
             for begun in self.begin(one, inputs)? {
                 if *finished == 0 {
-                    meanings.extend(self.apply(&begun, labels));
+                    meanings.extend(self.apply(&begun, labels).into_iter().map(|v| v.after));
                 } else if self.is_end(&begun) && labels.iter().all(|label| *label == 0) {
                     meanings.insert(begun);
                 }
@@ -231,7 +235,7 @@ impl Execution<'_> {
     }
 
     /// Returns the state of the recipe, if all steps before it were performed.
-    fn reached(&self, progress: &Progress) -> Option<&str> {
+    pub fn reached(&self, progress: &Progress) -> Option<&str> {
         let Some(transition) = progress.transition else {
             return Some(&self.recipe.start);
         };
@@ -265,7 +269,12 @@ impl Execution<'_> {
     ///
     /// # Errors
     /// It depends on another input.
-    fn choose(&self, state: &str, cell: &Cell, inputs: &Inputs) -> Result<Option<usize>, Unknown> {
+    pub fn choose(
+        &self,
+        state: &str,
+        cell: &Cell,
+        inputs: &Inputs,
+    ) -> Result<Option<usize>, Unknown> {
         let leaving = || {
             let all = self.recipe.transitions.iter().enumerate();
             all.filter(|(_, t)| t.from == state)
@@ -308,7 +317,7 @@ impl Execution<'_> {
     }
 
     /// Whether the recipe can end here.
-    fn is_end(&self, progress: &Progress) -> bool {
+    pub fn is_end(&self, progress: &Progress) -> bool {
         let recipe = self.recipe;
         let may_remain = |name: &String| {
             let part = recipe.parts.iter().find(|p| p.name == *name);
