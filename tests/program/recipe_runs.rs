@@ -202,7 +202,7 @@ fn the_controller_lets_all_resources_end_a_vector() {
         let by_plan = run(folder, &line);
         let (code, by_controller) = document(folder, &format!("recipe run {line} {controller}"));
         let makespan = by_controller["makespan"].as_f64().expect("a number");
-        assert!(Some(makespan) >= by_plan["makespan"].as_f64());
+        assert!(Some(makespan) > by_plan["makespan"].as_f64());
         assert_eq!(makespan, sum_of_vectors(&by_controller));
         let findings = by_controller["findings"].as_array().expect("findings");
         assert!(
@@ -216,7 +216,10 @@ fn the_controller_lets_all_resources_end_a_vector() {
         run(folder, file),
         run(folder, &format!("{file} {controller}")),
     );
-    assert!(by_controller["makespan"].as_f64() >= by_plan["makespan"].as_f64());
+    // The second measurement is shorter than planned. A plan waits for its time, a controller for
+    // nothing but the vector.
+    assert_eq!(by_plan["makespan"], 460.0);
+    assert_eq!(by_controller["makespan"], 455.0);
     assert_eq!(by_controller["makespan"], sum_of_vectors(&by_controller));
     // The same machines have done the same work with their libraries.
     assert_eq!(by_controller["resources"], by_plan["resources"]);

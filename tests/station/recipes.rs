@@ -56,10 +56,17 @@ fn runs_have_the_steps_of_the_plan_and_the_time_of_their_vectors() {
     let mut counts = runs::Counts::default();
     for (seed, made) in (0..).zip(cells::all()) {
         runs::compare(&made, seed, &mut counts);
+        runs::compare_worst_cases(&made, seed, &mut counts);
     }
     println!("{counts:?}");
-    assert!(counts.runs > 50 && counts.loops > 5 && counts.tests > 20);
-    assert!(counts.overruns > 5 && counts.timed > 5);
+    assert!(counts.runs > 50 && counts.loops > 20 && counts.tests > 40);
+    assert!(counts.timed > 20 && counts.others == 0);
+    for (seed, made) in (0..).zip(cells::random().take(200)) {
+        runs::compare(&made, seed, &mut counts);
+    }
+    println!("{counts:?}");
+    assert!(counts.runs > 400 && counts.loops > 100 && counts.tests > 250);
+    assert!(counts.overruns > 5 && counts.others < 20);
 }
 
 #[test]

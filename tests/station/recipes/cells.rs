@@ -115,11 +115,15 @@ pub fn all() -> Vec<Made> {
         all.extend(of_text(std::fs::read_to_string(path).expect("a file")));
     }
     assert_eq!(all.len(), 5);
-    let random = (0..).filter_map(|seed| {
+    all.extend(random().take(RANDOM));
+    all
+}
+
+/// The random ones with at least two vectors.
+pub fn random() -> impl Iterator<Item = Made> {
+    (0..).filter_map(|seed| {
         let (mut layout, recipe) = random_cells::cell(seed);
         layout.name = format!("Cell{seed}");
         Made::new(&layout, &recipe).filter(|m| m.controller.vectors() > 1)
-    });
-    all.extend(random.take(RANDOM));
-    all
+    })
 }

@@ -44,24 +44,23 @@ use std::path::PathBuf;
     linewright recipe run examples/cell/cell.lw --gantt cell.svg
 
 The run follows the plan with least time (timed) or least steps (lockstep). With --coordinator \
-controller, the synthesized controller of `synth` commands the resources, vector by vector: the \
-next vector begins when all resources have ended. It takes least steps in the worst case; timed, it \
-takes the sum of the longest durations, which is at least the least time of a plan. It coordinates \
-one product.
+controller, the synthesized controller (see `synth`) commands the resources, vector by vector: the \
+next vector begins when all resources have ended. In lockstep it has least steps in the worst case, \
+like the plan; timed, it takes the sum of the longest durations, which is at least the least time of \
+a plan if everything takes as long as planned. It coordinates one product.
 
-A resource that is a \
-machine does its work with the machine's station library, which is compiled first; other resources \
-take the times of the layout. The outcome of a test is drawn from the random seed, all outcomes \
-with the same probability, unless --test gives it.
+A resource that is a machine does its work with the machine's station library, which is compiled \
+first; other resources take the times of the layout. The outcome of a test is drawn from the random \
+seed, all outcomes with the same probability, unless --test gives it.
 
 The exit code is 1 if a library returns an error, or a resource had to wait in a state where it may \
-not: because an operation took longer than planned or, in a vector, because another resource takes \
-longer.")]
+not: because an operation took longer than planned or, with a controller, because another resource \
+of the vector takes longer. The second can happen even without libraries.")]
 pub struct Arguments {
     /// The file, and a recipe or layout of one of its statements `realize`
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
-    /// How the plan is executed
+    /// How transitions are executed
     #[arg(long, value_enum, default_value = "timed", value_name = "HOW")]
     pub execution: How,
     /// What coordinates the resources
@@ -98,7 +97,7 @@ pub struct Arguments {
     pub rebuild: bool,
 }
 
-/// How a plan is executed.
+/// How transitions are executed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum How {

@@ -2,9 +2,8 @@
 //! and when all have ended, this is its input `done`.
 //!
 //! What labels mean is the matter of [`super::execution`], as in the verification. A test is decided
-//! as soon as the product can be tested, and its inputs keep their values until the next operation:
-//! the machine reads a test in the step that begins the first vector after it, or not at all if all
-//! goes on in the same way.
+//! when the machine reads it: in the step that begins the first vector after it. If all goes on in
+//! the same way, the machine does not read it; then it is decided as soon as it can be made.
 
 use super::execution::{Execution, Progress, Vector};
 use super::verify::Inputs;
@@ -92,7 +91,7 @@ enum Commanded {
 impl<P: Plant> Runner<'_, P> {
     fn run(mut self) -> Result<Run, Stopped<P::Error>> {
         loop {
-            match self.next() {
+            match self.next(&self.progress) {
                 Next::Taken(transition) => {
                     if self.is_last() {
                         return Ok(self.vectors.end(false));
@@ -103,7 +102,7 @@ impl<P: Plant> Runner<'_, P> {
                     }
                     self.enter(transition);
                 }
-                Next::Tested(outcomes) => {
+                Next::Tested(outcomes) if !self.reads_later() => {
                     if self.is_last() {
                         return Ok(self.vectors.end(false));
                     }
@@ -113,7 +112,7 @@ impl<P: Plant> Runner<'_, P> {
                     self.inputs = Inputs::new(known.map(|o| o.1).unwrap_or_default());
                     self.enter(taken);
                 }
-                Next::Step => match self.step().map_err(Stopped::Machine)? {
+                Next::Step | Next::Tested(_) => match self.step().map_err(Stopped::Machine)? {
                     Commanded::End => return Ok(self.vectors.end(true)),
                     Commanded::Vector(to, vector, events) => {
                         self.vectors.perform(&events).map_err(Stopped::Plant)?;
@@ -138,15 +137,33 @@ impl<P: Plant> Runner<'_, P> {
         self.progress.performed = 0;
     }
 
-    fn next(&self) -> Next {
-        let Some(state) = self.execution.reached(&self.progress) else {
+    fn next(&self, progress: &Progress) -> Next {
+        let Some(state) = self.execution.reached(progress) else {
             return Next::Step;
         };
-        match (self.execution).choose(state, &self.progress.cell, &self.inputs) {
+        match (self.execution).choose(state, &progress.cell, &self.inputs) {
             Ok(Some(transition)) => Next::Taken(transition),
             Ok(None) => Next::Step,
             Err(_) => Next::Tested(self.execution.outcomes(state, &self.inputs.known)),
         }
+    }
+
+    /// Whether the machine reads the test that can be made now only after some transfers.
+    fn reads_later(&self) -> bool {
+        let (mut state, mut progress) = (self.state, self.progress.clone());
+        let mut is_later = false;
+        while let Some(Ok(taken)) = self.execution.step(state, &self.inputs) {
+            let Some((0, labels)) = taken.output.split_last() else {
+                return false;
+            };
+            let vectors = self.execution.apply(&progress, labels).into_iter();
+            let Some(vector) = vectors.take(1).find(|v| v.calls.is_empty()) else {
+                return false;
+            };
+            (state, progress) = (Some(taken.to), vector.after);
+            is_later = true;
+        }
+        is_later && matches!(self.next(&progress), Next::Tested(_))
     }
 
     /// Steps the machine. An input that is not decided is false.
