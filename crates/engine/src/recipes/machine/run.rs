@@ -1,9 +1,10 @@
 //! Runs that the machine of a recipe coordinates: it commands a vector, the resources carry it out,
 //! and when all have ended, this is its input `done`.
 //!
-//! What labels mean is the matter of [`super::execution`], as in the verification. A test is decided
-//! when the machine reads it: in the step that begins the first vector after it. If all goes on in
-//! the same way, the machine does not read it; then it is decided as soon as it can be made.
+//! What labels mean is the matter of [`super::execution`], as in the verification. A test is
+//! decided when the machine reads it: in the step that begins the first vector after it. If all
+//! goes on in the same way, the machine does not read it; then it is decided as soon as it can be
+//! made.
 
 use super::execution::{Execution, Progress, Vector};
 use super::verify::Inputs;
