@@ -187,7 +187,7 @@ fn sum_of_vectors(run: &Value) -> f64 {
             None => events.push((event, start, end)),
         }
     }
-    let vectors = events.chunk_by(|a, b| a.1 == b.1);
+    let vectors = events.chunk_by(|a, b| a.1.total_cmp(&b.1).is_eq());
     let longest = vectors.map(|v| v.iter().map(|e| e.2 - e.1).fold(0.0, f64::max));
     longest.sum()
 }
@@ -201,9 +201,8 @@ fn the_controller_lets_all_resources_end_a_vector() {
         let line = format!("examples/pad/times.lw {outcomes}");
         let by_plan = run(folder, &line);
         let (code, by_controller) = document(folder, &format!("recipe run {line} {controller}"));
-        let makespan = by_controller["makespan"].as_f64().expect("a number");
-        assert!(Some(makespan) > by_plan["makespan"].as_f64());
-        assert_eq!(makespan, sum_of_vectors(&by_controller));
+        assert!(by_controller["makespan"].as_f64() > by_plan["makespan"].as_f64());
+        assert_eq!(by_controller["makespan"], sum_of_vectors(&by_controller));
         let findings = by_controller["findings"].as_array().expect("findings");
         assert!(
             findings.iter().all(|f| f["code"] == "LW612"),

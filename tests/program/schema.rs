@@ -94,6 +94,7 @@ const COMMANDS: &[&str] = &[
     "recipe topology examples/pad/hinge.lw --max-states 10",
     "recipe run examples/pad/times.lw",
     "recipe run examples/pad/hinge.lw --execution lockstep",
+    "recipe run examples/pad/hinge.lw --execution lockstep --coordinator controller",
     "recipe run examples/cell/cell.lw --test measured=finished",
     "recipe diff examples/pad/parallel.lw Pad Six",
     "recipe repair examples/pad/missing-route.lw --only routes",
