@@ -453,7 +453,8 @@ impl ClosedDecider<'_> {
         Ok(self.starved(ends)?.map(FailureKind::Endless))
     }
 
-    /// Whether an operation can begin: whether one of the two rules of `never_begins` can be broken.
+    /// Whether an operation can begin, so that one of the two rules of `never_begins` can be
+    /// broken.
     fn can_begin(&mut self, [first, later]: [usize; 2]) -> Result<bool, Limit> {
         let keep = self.book.keep.clone();
         if self.can_break(&keep, &keep, &[first])? {

@@ -52,6 +52,7 @@ impl Execution<'_> {
         let step = (!step.is_empty()).then_some(step);
         Some(step.into_iter().chain(others).collect())
     }
+
     /// Returns the entry of a resource that goes from one state to another.
     fn entry(
         &self,
