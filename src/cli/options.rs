@@ -184,8 +184,8 @@ impl GlobalOptions {
         }
     }
 
-    /// When the command is terminated even if it does not check its limits. The worker that runs the
-    /// command allows 1/16 more memory, so that this is at 1.03 times the memory.
+    /// When the command is terminated even if it does not check its limits. The worker that runs
+    /// the command allows 1/16 more memory, so that this is at 1.03 times the memory.
     pub fn hard_deadline(&self) -> Deadline {
         self.timeout
             .map_or(Deadline::NONE, |limit| {
