@@ -238,6 +238,51 @@ fn premises_are_named() {
     proved(ways, &["b_sends_P_to_k"]);
 }
 
+/// Work that begins again after each failure may never end. A run in which it does not is no
+/// contradiction to the proof only if that is a premise.
+#[test]
+fn work_that_may_begin_again_for_ever_is_a_premise() {
+    let line = |station: &str| {
+        format!(
+            "line L {{
+    part P
+    source s: P every 5 s
+    sink k
+    station m {{ {station} }}
+    route P: s -> m -> k
+}}
+"
+        )
+    };
+    let named = ["work_ends_at_m"];
+    for (station, expected) in [
+        (
+            "takes 1 s failures mtbf constant(0.9 s) mttr 1 s restart",
+            &named[..],
+        ),
+        (
+            "takes 1 s failures mtbf constant(0.9 s) mttr 1 s by calendar restart",
+            &named,
+        ),
+        (
+            "takes exponential(1 s) failures mtbf uniform(5 s, 7 s) mttr 1 s restart",
+            &named,
+        ),
+        ("takes 1 s failures mtbf constant(0.9 s) mttr 1 s", &[]),
+        (
+            "takes 1 s failures mtbf constant(1 s) mttr 1 s restart",
+            &[],
+        ),
+        (
+            "takes exponential(1 s) failures mtbf 2 s mttr 1 s restart",
+            &[],
+        ),
+        ("takes 1 s failures every 3 parts mttr 1 s restart", &[]),
+    ] {
+        proved(&line(station), expected);
+    }
+}
+
 /// After the last ordered parts, other components wait for ever. That is a premise where they can
 /// be in the way, or where they are not needed.
 #[test]

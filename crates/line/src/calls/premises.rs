@@ -4,7 +4,10 @@ use super::{Calls, orders};
 use crate::abstraction::Shape;
 use crate::abstraction::words::an;
 use linewright_core::source::Span;
-use linewright_language::contract::line::{BufferOrder, Line, NodeKind, Supply};
+use linewright_language::contract::MAX_SECONDS;
+use linewright_language::contract::distribution::Distribution;
+use linewright_language::contract::line::{BufferOrder, Line, NodeKind, Station, Supply};
+use linewright_language::contract::machine::{Between, InterruptedWork};
 
 /// A premise of a proof that the line itself does not establish.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,6 +44,13 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                     span,
                 });
             }
+            NodeKind::Station(station) if can_restart_for_ever(station) => found.push(Premise {
+                name: format!("work_ends_at_{name}"),
+                text: format!(
+                    "work at {name}, which begins again after a failure, ends before the next one in the end"
+                ),
+                span,
+            }),
             NodeKind::Store { .. } => stock(line, calls, node, &mut found),
             NodeKind::Source {
                 supply: Supply::Every { limit: Some(n), .. },
@@ -101,6 +111,26 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
         }
     }
     found
+}
+
+/// Whether work can take longer than any time between two failures after which it begins again. If
+/// not, it ends with probability 1. The time of work that a controller determines has no bound
+/// here.
+fn can_restart_for_ever(station: &Station) -> bool {
+    let times = station.tasks.iter().map(|task| task.time.as_ref());
+    let longest = times
+        .map(|time| time.map_or(MAX_SECONDS, Distribution::greatest))
+        .fold(station.setup.greatest(), f64::max);
+    let mut modes = station.failures.iter();
+    modes.any(|mode| {
+        let restarts = mode.interrupted == InterruptedWork::Restarts;
+        match &mode.between {
+            Between::Working(time) | Between::Calendar(time) => {
+                restarts && time.greatest() < longest
+            }
+            Between::Parts(_) => false,
+        }
+    })
 }
 
 /// Adds that each place which can lose parts passes on some of each type.
