@@ -160,7 +160,7 @@ impl Arguments {
     /// interactive command.
     fn hard_deadline(&self) -> Deadline {
         let is_interactive = match &self.command {
-            Command::Step(_) => true,
+            Command::Step(step) => step.script.is_none(),
             Command::Check(check) => check.watch,
             _ => false,
         };

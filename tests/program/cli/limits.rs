@@ -739,6 +739,19 @@ fn a_time_limit_ends_compilers() {
     }
 }
 
+/// A script is not interactive: it ends at the limits of the command.
+#[test]
+fn a_script_of_steps_keeps_the_time_limit() {
+    let session = Session::new();
+    std::fs::write(session.path("endless.txt"), "random 1000000000\n").expect("a file");
+    let begin = Instant::now();
+    let printed = session.run("step lamp.lw --script endless.txt --timeout 0.2");
+    assert_eq!(printed.code, 3, "{}{}", printed.out, printed.err);
+    let wanted = "`step` has no result: the time limit was reached";
+    assert!(printed.err.contains(wanted), "{}", printed.err);
+    assert!(begin.elapsed() < Duration::from_mins(1));
+}
+
 /// Reading does not check the clock: input that never ends is abandoned nevertheless.
 #[test]
 fn a_time_limit_ends_what_does_not_look_at_it() {
