@@ -14,6 +14,17 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     let mut ended: Vec<usize> = Vec::new();
     for route in &line.routes {
         let (place, ty) = (&line.nodes[route.to], &line.parts[route.part]);
+        let from = &line.nodes[route.from];
+        if matches!(from.kind, NodeKind::Sink { .. }) {
+            findings.push(
+                Diagnostic::error(
+                    codes::LINE_ROUTE,
+                    route.span,
+                    format!("a `{}` is sent on from the sink `{}`", ty.name, from.name),
+                )
+                .with_help("parts leave the line at a sink: end the route there"),
+            );
+        }
         if matches!(place.kind, NodeKind::Source { .. }) {
             findings.push(
                 Diagnostic::error(
