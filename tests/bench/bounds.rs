@@ -289,6 +289,10 @@ mod bounds {
             }
         }
         println!("\nrows out of bounds: {exceeded}");
-        ExitCode::SUCCESS
+        if exceeded == 0 {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        }
     }
 }
