@@ -12,6 +12,7 @@ use linewright::algebra::refine::refine;
 use linewright::contract;
 use linewright::game::{Limits, Outcome, solve};
 use linewright::gr1::Specification;
+use linewright::syntax::is_reserved;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -355,48 +356,6 @@ fn is_balanced(text: &str) -> bool {
     depth == Some(0)
 }
 
-/// The words of the language in contracts. Other words are names.
-const WORDS: &[&str] = &[
-    "abs",
-    "always",
-    "and",
-    "array",
-    "assume",
-    "bool",
-    "contract",
-    "count",
-    "counter",
-    "counts",
-    "define",
-    "else",
-    "eventually",
-    "exists",
-    "false",
-    "forall",
-    "guarantee",
-    "if",
-    "implements",
-    "in",
-    "input",
-    "max",
-    "min",
-    "mod",
-    "moore",
-    "next",
-    "not",
-    "of",
-    "once",
-    "or",
-    "output",
-    "previous",
-    "resets",
-    "since",
-    "steps",
-    "then",
-    "true",
-    "within",
-];
-
 /// A contract as text without its comments and its code, in which each name is a number: that of
 /// its first appearance.
 fn with_numbers_for_names(entry: &Entry) -> String {
@@ -416,7 +375,7 @@ fn with_numbers_for_names(entry: &Entry) -> String {
         let is_word = |c: char| c.is_alphanumeric() || c == '_';
         let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
         let (piece, after) = rest.split_at(end.max(first.len_utf8()));
-        if (first.is_alphabetic() || first == '_') && !WORDS.contains(&piece) {
+        if (first.is_alphabetic() || first == '_') && !is_reserved(piece) {
             let next = numbers.len();
             let number = numbers.entry(piece).or_insert(next);
             shown.push('n');
