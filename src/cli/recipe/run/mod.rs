@@ -162,15 +162,12 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Ok(options.exit_code(findings).and(verdict.into()))
     };
     let planned = decision.solution.as_ref().map(Solution::value);
-    let without = || {
-        let by_controller = arguments.coordinator == Coordinator::Controller;
-        let is_timed = by_controller && how == How::Timed;
-        let start = is_timed.then(|| coordinator::start(&timed, &loaded.library, realization, aim));
-        start.flatten()
-    };
-    let plan = match decision.solution {
-        Some(Solution::Plan(plan)) => Some(plan),
-        _ => without(),
+    let plan = match (decision.solution, arguments.coordinator) {
+        (Some(Solution::Plan(plan)), _) => Some(plan),
+        (_, Coordinator::Controller) if how == How::Timed => {
+            coordinator::start(&timed, &loaded.library, realization, aim)
+        }
+        _ => None,
     };
     let Some(plan) = &plan else {
         return failed(decision.verdict, &decision.findings);
