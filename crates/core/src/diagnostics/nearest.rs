@@ -14,14 +14,87 @@ pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&
     if name.len() > MAX_NAME_LENGTH {
         return None;
     }
-    let name_words = words(name);
-    let ranked = known.filter_map(|k| Some((rank(name, &name_words, k)?, k)));
+    let (letters, name_words) = (Letters::of(name), words(name));
+    let ranked = known.filter_map(|k| {
+        let may_be = letters.compare(&Letters::of(k), most_mistakes(name, k));
+        Some((rank(name, &name_words, k, may_be?)?, k))
+    });
     ranked.min().map(|(_, k)| k)
+}
+
+/// Returns how many typing mistakes a known name may be away.
+fn most_mistakes(name: &str, known: &str) -> usize {
+    name.len().min(known.len()).div_ceil(4).min(name.len() / 2)
+}
+
+/// What [`Letters`] say of two names.
+#[derive(Debug, Clone, Copy)]
+struct MayBe {
+    misspelt: bool,
+    similar: bool,
+}
+
+/// Which letters and digits a name has, in lower case: a bit for each of them, and one for all that
+/// are not ASCII. Comparing these is much faster than comparing words, and excludes most names,
+/// which matters where thousands of names are unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Letters {
+    /// Those of the whole name.
+    all: u64,
+    /// Those with which its words begin.
+    initials: u64,
+    words: usize,
+    chars: usize,
+}
+
+impl Letters {
+    fn of(name: &str) -> Self {
+        let mut found = Self {
+            all: 0,
+            initials: 0,
+            words: 0,
+            chars: 0,
+        };
+        for (c, begins) in letters(name) {
+            found.chars += 1;
+            let Some(begins) = begins else { continue };
+            for (index, c) in c.to_lowercase().enumerate() {
+                let bit = match c {
+                    'a'..='z' => c as u32 - 'a' as u32,
+                    '0'..='9' => 32 + c as u32 - '0' as u32,
+                    _ => 63,
+                };
+                found.all |= 1 << bit;
+                if begins && index == 0 {
+                    found.initials |= 1 << bit;
+                }
+            }
+            found.words += usize::from(begins);
+        }
+        found
+    }
+
+    /// Compares an unknown name with a known one, given how many typing mistakes count as few.
+    /// `None` if they cannot be close. A mistake adds and removes at most one letter; similar names
+    /// have words that begin alike (see [`same`]).
+    fn compare(&self, known: &Self, few: usize) -> Option<MayBe> {
+        let (short, long) = if self.words <= known.words {
+            (self, known)
+        } else {
+            (known, self)
+        };
+        let changed = (self.all ^ known.all).count_ones() as usize;
+        let may_be = MayBe {
+            misspelt: self.chars.abs_diff(known.chars) <= few && changed <= 2 * few,
+            similar: short.initials & !long.initials == 0,
+        };
+        (may_be.misspelt || may_be.similar || self.all == known.all).then_some(may_be)
+    }
 }
 
 /// Ranks a known name by the way in which it differs from `name`, then by how much; `None` if it is
 /// not close.
-fn rank(name: &str, name_words: &[String], known: &str) -> Option<(u8, usize)> {
+fn rank(name: &str, name_words: &[String], known: &str, may_be: MayBe) -> Option<(u8, usize)> {
     let words = words(known);
     if !name_words.is_empty() && name_words.concat() == words.concat() {
         return Some((0, edit_distance(name, known)));
@@ -29,10 +102,14 @@ fn rank(name: &str, name_words: &[String], known: &str) -> Option<(u8, usize)> {
     if differ_in_numbers_only(name_words, &words) {
         return None;
     }
-    let mistakes = edit_distance(name, known);
-    let few = name.len().min(known.len()).div_ceil(4).min(name.len() / 2);
-    if mistakes <= few {
-        return Some((1, mistakes));
+    if may_be.misspelt {
+        let mistakes = edit_distance(name, known);
+        if mistakes <= most_mistakes(name, known) {
+            return Some((1, mistakes));
+        }
+    }
+    if !may_be.similar {
+        return None;
     }
     let similarity = word_similarity(name_words, &words)?;
     Some((2, similarity.words.len() * 100 + words.concat().len()))
@@ -119,20 +196,28 @@ fn abbreviates(short: &str, long: &str) -> bool {
 /// Splits a name into lower-case words: `turnDone_2` is `turn`, `done`, `2`.
 pub fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
-    let mut before = '_';
-    for c in name.chars() {
-        if c.is_alphanumeric() {
-            let begins = !before.is_alphanumeric()
-                || before.is_lowercase() && c.is_uppercase()
-                || before.is_numeric() != c.is_numeric();
-            match words.last_mut() {
-                Some(word) if !begins => word.extend(c.to_lowercase()),
-                _ => words.push(c.to_lowercase().collect()),
-            }
+    for (c, begins) in letters(name) {
+        match (begins, words.last_mut()) {
+            (Some(false), Some(word)) => word.extend(c.to_lowercase()),
+            (Some(_), _) => words.push(c.to_lowercase().collect()),
+            (None, _) => {}
         }
-        before = c;
     }
     words
+}
+
+/// Returns the characters of a name; with each letter or digit, whether a word begins there.
+fn letters(name: &str) -> impl Iterator<Item = (char, Option<bool>)> + '_ {
+    let mut before = '_';
+    name.chars().map(move |c| {
+        let begins = c.is_alphanumeric().then(|| {
+            !before.is_alphanumeric()
+                || before.is_lowercase() && c.is_uppercase()
+                || before.is_numeric() != c.is_numeric()
+        });
+        before = c;
+        (c, begins)
+    })
 }
 
 /// Returns the edit distance of two names: the number of letters changed, added, omitted or swapped
@@ -241,6 +326,36 @@ mod tests {
         let known = ["angle_desired", "angles", "angle_max"];
         assert_eq!(nearest("angle", known.into_iter()), Some("angles"));
         assert_eq!(nearest("desired", known.into_iter()), Some("angle_desired"));
+    }
+
+    /// Names that differ in every way that counts, and in ways that do not.
+    #[test]
+    fn letters_never_hide_a_close_name() {
+        let parts = [
+            "turn", "trun", "Turn", "TURN", "cmd", "command", "pos", "position", "1", "2", "12",
+            "é", "\u{212a}", "x", "_", "",
+        ];
+        let mut names: Vec<String> = Vec::new();
+        for a in parts {
+            for b in parts {
+                names.extend([format!("{a}_{b}"), format!("{a}{b}"), format!("{b}{a}_x")]);
+            }
+        }
+        let any = MayBe {
+            misspelt: true,
+            similar: true,
+        };
+        let mut close = 0;
+        for name in &names {
+            let (all, words) = (Letters::of(name), words(name));
+            for known in &names {
+                let may_be = all.compare(&Letters::of(known), most_mistakes(name, known));
+                let ranked = may_be.and_then(|may_be| rank(name, &words, known, may_be));
+                assert_eq!(ranked, rank(name, &words, known, any), "{name} {known}");
+                close += usize::from(ranked.is_some());
+            }
+        }
+        assert!(close > names.len() && close < names.len() * names.len() / 2);
     }
 
     #[test]
