@@ -59,7 +59,7 @@ const COLLECT_NODES: u64 = 1 << 19;
 const FEW_DEAD_NODES: u64 = 10_000;
 
 /// Minimum number of nodes created between two safe points that triggers reordering.
-const REORDER_NODES: u64 = 18_000;
+const REORDER_NODES: u64 = 30_000;
 
 /// Maximum number of nodes that sifting at a safe point may touch per node created since the last
 /// sifting, so that sifting takes a bounded share of all work.
