@@ -39,6 +39,9 @@ const SELECTION: [&str; 11] = [
     "spectra-language/",
 ];
 
+/// Extensions of specifications.
+const ENDINGS: [&str; 5] = ["slugsin", "spc", "spectra", "structuredslugs", "tlsf"];
+
 /// Minimum number of seconds by the clock that another tool is given.
 const LEAST_LIMIT: f64 = 60.0;
 
@@ -266,7 +269,7 @@ fn specifications(root: &Path) -> Vec<Subject> {
                 continue;
             }
             let ending = path.extension().unwrap_or_default().to_string_lossy();
-            if ["spc", "slugsin", "spectra", "structuredslugs"].contains(&&*ending) {
+            if ENDINGS.contains(&&*ending) {
                 let name = path.strip_prefix(root).unwrap_or(&path);
                 let parts: Vec<_> = name.iter().map(|p| p.to_string_lossy()).collect();
                 found.push(Subject {
@@ -299,6 +302,42 @@ fn generated(folder: &Path, filters: &[String]) -> Result<Vec<Subject>, String> 
         });
     }
     Ok(found)
+}
+
+/// The specifications that no peer reads, converted by `synth --emit` to what each of them reads.
+/// Those that cannot be converted are left out: they have a row of our own alone.
+fn converted(folder: &Path, subjects: &[Subject]) -> Result<Vec<Subject>, String> {
+    let mut found = Vec::new();
+    for subject in subjects {
+        if Peer::ALL.iter().any(|p| p.ending() == subject.ending) {
+            continue;
+        }
+        for ending in Peer::ALL.map(Peer::ending) {
+            let output = std::process::Command::new(program())
+                .args(["synth", "--emit", ending])
+                .arg(&subject.file)
+                .output()
+                .map_err(|e| format!("{}: {e}", subject.name))?;
+            if output.stdout.is_empty() {
+                continue;
+            }
+            let name = format!("{}.{ending}", subject.name);
+            let file = folder.join(name.replace('/', "-"));
+            std::fs::write(&file, output.stdout).map_err(|e| format!("{}: {e}", file.display()))?;
+            found.push(Subject {
+                name,
+                ending: ending.to_owned(),
+                file,
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// Our own program.
+fn program() -> OsString {
+    let built = || env!("CARGO_BIN_EXE_linewright").into();
+    std::env::var_os("LINEWRIGHT_PROGRAM").unwrap_or_else(built)
 }
 
 /// Whether the filters select it.
@@ -345,6 +384,7 @@ fn compare(options: &Options) -> Result<bool, String> {
     subjects.retain(|s| selected(&s.name, &options.filters));
     let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
     subjects.extend(generated(folder.path(), &options.filters)?);
+    subjects.extend(converted(folder.path(), &subjects)?);
     // `genbuf5` before `genbuf10`.
     subjects.sort_by_cached_key(|s| table::natural(&s.name));
     let mut peers: BTreeMap<Peer, PathBuf> = BTreeMap::new();
@@ -369,7 +409,7 @@ fn compare(options: &Options) -> Result<bool, String> {
 
     let mut agree = true;
     let mut slower = Vec::new();
-    for ending in ["slugsin", "spc", "spectra", "structuredslugs"] {
+    for ending in ENDINGS {
         let peer = peers.iter().find(|(p, _)| p.ending() == ending);
         let peer = peer.map(|(p, path)| (*p, path.as_path()));
         let mut rows: Vec<Row> = Vec::new();
@@ -419,9 +459,7 @@ fn measured(
     peer: Option<(Peer, &Path)>,
     options: &Options,
 ) -> Result<Row, String> {
-    let built = || env!("CARGO_BIN_EXE_linewright").into();
-    let mut ours: Vec<OsString> =
-        vec![std::env::var_os("LINEWRIGHT_PROGRAM").unwrap_or_else(built)];
+    let mut ours: Vec<OsString> = vec![program()];
     ours.extend(["check", "--no-cache", "--format", "json"].map(OsString::from));
     ours.extend(options.check.iter().cloned());
     ours.push(subject.file.clone().into());

@@ -5,11 +5,11 @@ use crate::families::anzu::{amba, genbuf};
 use crate::families::arithmetic::{Task, ahb, cinderella, elevator, robot_arm};
 use crate::families::formula::Format;
 
-/// Sizes of genbuf that are not among the published files.
-const GENBUF: [usize; 8] = [7, 15, 25, 30, 50, 80, 150, 200];
+/// Sizes of genbuf that are not among the published files, or not in every format.
+const GENBUF: [usize; 10] = [7, 15, 25, 30, 50, 60, 80, 100, 150, 200];
 
-/// Sizes of AMBA that are not among the published files.
-const AMBA: [usize; 7] = [8, 9, 11, 12, 13, 14, 15];
+/// Sizes of AMBA that are not among the published files, or not in every format.
+const AMBA: [usize; 10] = [6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Name, extension, and generator of a specification's text.
 pub type Instance = (String, &'static str, Box<dyn Fn() -> String>);
