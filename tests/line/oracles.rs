@@ -89,21 +89,24 @@ fn erlang_c(servers: u32, load: f64) -> f64 {
     lost / (1.0 - used * (1.0 - lost))
 }
 
-/// Two types with exponential work of 1 s, of which A has priority.
-fn priorities(product: &str) -> String {
+/// Two types that one server works on, of which A has priority.
+fn priorities(product: &str, work: &str) -> String {
     format!(
         "line L {{
             part A {{ property urgency: 0..1 = 1 }} part B {{ property urgency: 0..1 = 0 }}
             product {product}
             source a: A every exponential(1 s / 0.3) source b: B every exponential(1 s / 0.4)
             buffer queue capacity 4000 highest urgency first
-            station server {{ takes exponential(1 s) }}
+            station server {{ {work} }}
             sink out
             route A: a -> queue -> server -> out
             route B: b -> queue -> server -> out
         }}"
     )
 }
+
+/// Work with the means 0.5 s and 1 s and the mean squares 1/3 s^2 and 2 s^2.
+const GENERAL_WORK: &str = "takes uniform(0 s, 1 s) a A takes lognormal(1 s, 1 s) a B";
 
 /// Mean sojourn of parts that join the shorter of two queues, each before a server with rate 1:
 /// the stationary distribution of a Markov chain with the numbers of parts as its state, by
@@ -247,17 +250,32 @@ fn known_results_are_reproduced() {
             // Cobham 1954: the mean wait of the first class is R / (1 - r1), with the mean rest of
             // the work in progress R = (l1 + l2) E[S^2] / 2.
             name: "M/M/1 with priorities, first class",
-            text: priorities("A"),
+            text: priorities("A", "takes exponential(1 s)"),
             parts: 40_000,
             measure: sojourn,
             theory: 1.0 + 0.7 / 0.7,
         },
         Case {
             name: "M/M/1 with priorities, second class",
-            text: priorities("B"),
+            text: priorities("B", "takes exponential(1 s)"),
             parts: 40_000,
             measure: sojourn,
             theory: 1.0 + 0.7 / (0.7 * 0.3),
+        },
+        Case {
+            // R = (0.3 / 3 + 0.4 * 2) / 2 = 0.45 s, and the loads are 0.15 and 0.4.
+            name: "M/G/1 with priorities, first class",
+            text: priorities("A", GENERAL_WORK),
+            parts: 40_000,
+            measure: sojourn,
+            theory: 0.5 + 0.45 / 0.85,
+        },
+        Case {
+            name: "M/G/1 with priorities, second class",
+            text: priorities("B", GENERAL_WORK),
+            parts: 40_000,
+            measure: sojourn,
+            theory: 1.0 + 0.45 / (0.85 * 0.45),
         },
         Case {
             // By a truncated Markov chain. Parts in work do not count as queueing.
