@@ -173,7 +173,8 @@ fn controllers<'c>(
     let indices = contracts.iter().map(|c| request(&mut jobs, loaded, c));
     let indices: Vec<usize> = indices.collect();
     let progress = options.console().progress(jobs.len(), "synthesizing");
-    let checked = jobs.run(&options.settings(), &progress);
+    let settings = options.announcing(&options.settings(), &progress);
+    let checked = jobs.run(&settings, &progress);
     let contracts = contracts.iter().zip(indices);
     contracts
         .map(|(contract, index)| (*contract, checked[index].clone()))

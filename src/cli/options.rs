@@ -6,16 +6,18 @@ use super::interrupt;
 use crate::deadline::{Deadline, MemoryGauge};
 use crate::diagnostics::Diagnostic;
 use crate::engine::cache::Cache;
-use crate::engine::pipeline::Settings;
+use crate::engine::pipeline::{Announcer, Settings};
 use crate::game::{BudgetFactor, Heuristic, Heuristics, KernelChoice, Limits};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use indicatif::ProgressBar;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Time for a command to print its results after its time limit, before it is terminated: some
-/// work, such as parsing, does not check the time limit.
-const GRACE: Duration = Duration::from_secs(2);
+/// work, such as parsing, does not check the time limit. The worker that runs the command adds its
+/// own, and both together are less than a second.
+const GRACE: Duration = Duration::from_millis(600);
 
 /// Memory in bytes in which every command can report that it reached a limit. Below it, no command
 /// is terminated because of its memory.
@@ -218,6 +220,25 @@ impl GlobalOptions {
                 Cache::of_user()
             },
             announcer: None,
+        }
+    }
+
+    /// Returns settings with which the verdict of an unrealizable contract is printed to standard
+    /// error while its explanation is being computed, above the progress bar. Only text for readers
+    /// is accompanied by such lines, and not if equal input is to give equal output, because it
+    /// depends on the time which of them are printed.
+    pub fn announcing(&self, settings: &Settings, progress: &ProgressBar) -> Settings {
+        let announces = self.format == Format::Human && !self.no_timing;
+        let announcer = announces.then(|| {
+            let (bar, console) = (progress.clone(), self.console());
+            Announcer::new(move |line| {
+                // If standard error is closed, the result is all that can be printed.
+                let _ = bar.suspend(|| console.remark(&format!("{line}\n")));
+            })
+        });
+        Settings {
+            announcer,
+            ..settings.clone()
         }
     }
 

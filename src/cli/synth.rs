@@ -156,7 +156,6 @@ impl Emit {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let settings = options.settings();
     let loaded = match arguments.selection.load_alone("synth", options)? {
         Ok(loaded) => loaded,
         Err(code) => return Ok(code),
@@ -242,7 +241,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     if !controllers.is_empty() || page_file.is_some() {
         indices.extend(contracts.iter().map(|c| request(&mut jobs, &loaded, c)));
     }
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "synthesizing"));
+    let progress = console.progress(jobs.len(), "synthesizing");
+    let settings = options.announcing(&options.settings(), &progress);
+    let checked = jobs.run(&settings, &progress);
     if arguments.stats {
         for (contract, index) in contracts.iter().zip(&indices) {
             let statistics = checked[*index].statistics.timed(!options.no_timing);

@@ -29,7 +29,7 @@ use crate::engine::files::{self, LoadedFiles, StandardLibrary};
 use crate::engine::machine::StateCount;
 use crate::engine::machines::{self, MachinePlan};
 use crate::engine::output;
-use crate::engine::pipeline::{Announcer, CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
+use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use crate::engine::prover::Discharges;
 use crate::source::Span;
 use assembly::Assembly;
@@ -200,17 +200,7 @@ fn check(
         .collect();
     let instances = line_instances(&files, library, &machines, &mut jobs);
     let progress = console.progress(jobs.len(), "checking");
-    let announcer = (options.format == Format::Human).then(|| {
-        let bar = progress.clone();
-        Announcer::new(move |line| {
-            // If standard error is closed, the result is all that can be printed.
-            let _ = bar.suspend(|| console.remark(&format!("{line}\n")));
-        })
-    });
-    let announcing = Settings {
-        announcer,
-        ..settings.clone()
-    };
+    let announcing = options.announcing(settings, &progress);
     let checked = jobs.run_with(memory, &announcing, &progress);
 
     // Only the tables and pages show what a discharge rests on.

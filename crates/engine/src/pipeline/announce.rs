@@ -9,17 +9,16 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Time after which a stage of an explanation is announced, unless the work before it took longer.
-/// Most explanations take less.
-const DELAY: Duration = Duration::from_secs(1);
+/// Time after which a stage of an explanation is announced. Most explanations take less.
+const DELAY: Duration = Duration::from_millis(300);
 
-/// If the work before a stage took longer than [`DELAY`], the stage is announced after this share
-/// of that work, so that a verdict that took long is not held back.
+/// If the work before a stage took longer than a second, the stage is announced after this share of
+/// that work, so that a verdict that took long is not held back.
 const SHARE: u32 = 20;
 
 /// Returns how long a stage must last to be announced, given the duration of the work before it.
 fn delay(before: Duration) -> Duration {
-    if before > DELAY {
+    if before > Duration::from_secs(1) {
         (before / SHARE).min(DELAY)
     } else {
         DELAY
@@ -172,7 +171,7 @@ mod tests {
         let delays = [0, 1, 2, 10, 100].map(|before| delay(Duration::from_secs(before)));
         assert_eq!(
             delays.map(|delay| delay.as_millis()),
-            [1000, 1000, 100, 500, 1000]
+            [300, 300, 100, 300, 300]
         );
     }
 }
