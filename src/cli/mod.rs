@@ -39,6 +39,7 @@ use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::internal::{self, Fault};
 use crate::engine::pipeline;
 use crate::engine::worker::{self, Completion};
+use crate::station::disk;
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
 use options::GlobalOptions;
@@ -127,6 +128,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let console = arguments.options.console();
     let command = arguments.command.name();
     let hard_deadline = arguments.hard_deadline();
+    disk::keep_within(hard_deadline);
     let doing = move || format!("running `{command}`");
     // Fails only if the pool already exists, as in tests, where the stack size does not matter.
     let _ = rayon::ThreadPoolBuilder::new()

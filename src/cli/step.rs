@@ -13,6 +13,7 @@ use crate::engine::controller::ExtractionOptions;
 use crate::engine::files;
 use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, InternalError, Jobs, Verdict};
+use crate::engine::worker::{self, Completion};
 use crate::game::{self, GuaranteeRef, Limits};
 use crate::gr1::{FormulaKind, Specification};
 use crate::mealy::{counter, verify::verify_counterstrategy};
@@ -62,9 +63,17 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     options.refuse_sarif("a play")?;
     let console = options.console();
-    let loaded = match arguments.selection.load_alone("step", options)? {
-        Ok(loaded) => loaded,
-        Err(code) => return Ok(code),
+    // The limits of the command end loading, too, but not a play in a terminal.
+    let (selection, own) = (arguments.selection.clone(), options.clone());
+    let load = move |_: &dyn Fn(())| selection.load_alone("step", &own);
+    let loaded = match worker::run(options.hard_deadline(), load, |_| ()) {
+        Completion::Done(Ok(Ok(loaded))) => loaded,
+        Completion::Done(Ok(Err(code))) => return Ok(code),
+        Completion::Done(Err(error)) => return Err(error),
+        Completion::Abandoned(late, _) => {
+            console.aborted("step", &super::overdue("step", late))?;
+            return Ok(ExitCode::GaveUp);
+        }
     };
     let library = &loaded.library;
     let picked = arguments
@@ -99,7 +108,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         None => jobs.add(&contract.specification, contract.span),
     };
     let solving = interrupt::Watch::new();
-    let checked = jobs.run(&settings, &console.progress(jobs.len(), "solving"));
+    let progress = console.progress(jobs.len(), "solving");
+    let checked = jobs.run(&options.announcing(&settings, &progress), &progress);
     let Some(checked) = checked.into_iter().next() else {
         anyhow::bail!("the file has no contract to play");
     };

@@ -752,6 +752,36 @@ fn a_script_of_steps_keeps_the_time_limit() {
     assert!(begin.elapsed() < Duration::from_mins(1));
 }
 
+/// A file that does not fit into the memory is not read at all.
+#[test]
+fn a_file_larger_than_the_memory_is_refused() {
+    let session = Session::new();
+    let large = std::fs::File::create(session.path("large.lw")).expect("a file");
+    large.set_len(400 << 20).expect("room on the disk");
+    let printed = session.run("check large.lw --format short --memory 100");
+    assert_eq!(printed.code, 2, "{}{}", printed.out, printed.err);
+    let all = printed.out + &printed.err;
+    let wanted = "large.lw cannot be read: it has 400 MiB, and the memory limit leaves ";
+    assert!(all.contains(wanted), "{all}");
+    assert!(all.contains("--memory MIB"), "{all}");
+}
+
+/// A play in a terminal takes as long as its player likes, but loading its contract does not.
+#[test]
+fn loading_a_play_keeps_the_time_limit() {
+    let session = Session::new();
+    let mut text = String::from("contract Long {\n  output y: bool\n");
+    text.push_str(&"  guarantee always (y or y and y)\n".repeat(400_000));
+    text.push_str("}\n");
+    std::fs::write(session.path("long.lw"), text).expect("a file");
+    let begin = Instant::now();
+    let printed = session.run("step long.lw --timeout 0.05");
+    assert_eq!(printed.code, 3, "{}{}", printed.out, printed.err);
+    let wanted = "`step` has no result: the time limit was reached";
+    assert!(printed.err.contains(wanted), "{}", printed.err);
+    assert!(begin.elapsed() < Duration::from_mins(1));
+}
+
 /// Reading does not check the clock: input that never ends is abandoned nevertheless.
 #[test]
 fn a_time_limit_ends_what_does_not_look_at_it() {
