@@ -140,6 +140,7 @@ impl CalledMachine {
             assumptions: Side::default(),
             guarantees: Side::default(),
             definitions: calls(machine, sequences, done, operation, place),
+            completions: Side::default(),
         });
         let claim = Claim {
             goal: Side::default(),

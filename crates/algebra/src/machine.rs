@@ -50,7 +50,8 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
     (system, claim)
 }
 
-/// Name of the goal of every machine with operations: each call is done eventually.
+/// Name of the goal of every machine with operations: each call is done eventually. For a component
+/// of a proof, it is the name of what may follow from its contract.
 pub const COMPLETES: &str = "every request completes";
 
 fn completes(machine: &Machine, done: &Expr) -> Formula {
@@ -115,6 +116,7 @@ fn monitor_component(drives: Vec<VarId>, definitions: Side) -> Component {
         assumptions: Side::default(),
         guarantees: Side::default(),
         definitions,
+        completions: Side::default(),
     }
 }
 

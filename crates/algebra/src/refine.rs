@@ -58,6 +58,7 @@ pub fn refine(
         let view = |component: &Component, guarantees: &Side| Component {
             assumptions: Side::default(),
             guarantees: guarantees.clone(),
+            completions: Side::default(),
             ..component.clone()
         };
         vec![view(new, guaranteed), view(old, &Side::default())]

@@ -74,7 +74,7 @@ pub fn formula<'a>(system: &'a System, claim: &'a Claim, at: FormulaRef) -> &'a 
     match (system.formula(at), at.half) {
         (Some(formula), _) => formula,
         (None, ContractSide::Assumptions) => &claim.given.list(at.kind)[at.index],
-        (None, ContractSide::Guarantees) => &claim.goal.list(at.kind)[at.index],
+        (None, _) => &claim.goal.list(at.kind)[at.index],
     }
 }
 

@@ -1,9 +1,10 @@
 //! Systems of contracts over one set of variables.
 
+use super::machine::COMPLETES;
 use linewright_core::gr1::{
     Expr, Formula, FormulaKind, Side, Specification, Time, Timing, VarId, Variable,
 };
-use linewright_solver::game::Rule;
+use linewright_solver::game::{Rule, declared_requests};
 use serde::{Deserialize, Serialize};
 
 /// Components over one set of variables. Components are wired by the names of their ports: ports
@@ -32,15 +33,20 @@ pub struct Component {
     pub guarantees: Side,
     /// Definitions of the component's monitors: they cannot be broken, and constrain nothing else.
     pub definitions: Side,
+    /// Justice that may follow from the rest of the contract: each request that the contract
+    /// declares is completed. A proof that rests on one of these formulas derives it first.
+    pub completions: Side,
 }
 
-/// The two halves of a contract.
+/// The two halves of a contract, and what may follow from them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum ContractSide {
     /// Formulas that the component assumes.
     Assumptions,
     /// Formulas that the component guarantees.
     Guarantees,
+    /// Formulas that may follow from the others: see [`Component::completions`].
+    Completions,
 }
 
 /// Reference to one formula of a system.
@@ -48,7 +54,7 @@ pub enum ContractSide {
 pub struct FormulaRef {
     /// Index of the component; `None` for a given or a goal formula of a [`super::proof::Claim`].
     pub component: Option<usize>,
-    /// Half of the contract. For a claim, assumptions are the givens and guarantees are the goal.
+    /// Side of the contract. For a claim, assumptions are the givens and guarantees are the goal.
     pub half: ContractSide,
     /// Kind of the formula, which selects the list that contains it.
     pub kind: FormulaKind,
@@ -65,11 +71,12 @@ pub fn rule(kind: FormulaKind, expr: &Expr) -> Rule {
 }
 
 impl Component {
-    /// Returns one half of the component.
+    /// Returns one side of the component.
     pub fn half(&self, half: ContractSide) -> &Side {
         match half {
             ContractSide::Assumptions => &self.assumptions,
             ContractSide::Guarantees => &self.guarantees,
+            ContractSide::Completions => &self.completions,
         }
     }
 
@@ -118,7 +125,32 @@ impl Component {
             assumptions: side(&specification.assumptions, &|_| true),
             guarantees: side(&specification.guarantees, &|f| !f.defines),
             definitions: side(&specification.guarantees, &|f| f.defines),
+            completions: side(&completions(specification), &|_| true),
         }
+    }
+}
+
+/// Returns the formulas of [`Component::completions`]. A contract with justice guarantees states
+/// itself what recurs, and has none.
+fn completions(specification: &Specification) -> Side {
+    if !specification.guarantees.justice.is_empty() {
+        return Side::default();
+    }
+    let requests = declared_requests(specification).into_iter();
+    let justice = requests.map(|request| {
+        let output = specification.variable(request.output);
+        Formula {
+            defines: false,
+            name: COMPLETES.to_owned(),
+            requirement: None,
+            expr: request.request.not().or(request.done),
+            span: output.span,
+            text: format!("always eventually (not requested or {})", output.name),
+        }
+    });
+    Side {
+        justice: justice.collect(),
+        ..Side::default()
     }
 }
 

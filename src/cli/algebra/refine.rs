@@ -292,7 +292,7 @@ fn refuted(joined: &Joined, half: ContractSide, shown: &str) -> Diagnostic {
             "not refined: an environment of OLD can do this, but NEW assumes that it does not",
             "weaken the assumptions of NEW so that they allow this run, or add an assumption to OLD that excludes it",
         ),
-        ContractSide::Guarantees => (
+        ContractSide::Guarantees | ContractSide::Completions => (
             "not refined: an implementation of NEW can do this, but OLD forbids it",
             "add a guarantee to NEW that excludes this run, or weaken the guarantees of OLD",
         ),

@@ -19,6 +19,9 @@ pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) ->
         let again = decide(&reduced, &own, &Limits::default()).expect("no limit");
         assert!(again.holds(), "{what}: {}", table(&reduced, &own, &again));
         for named in &discharge.by {
+            if named.half == ContractSide::Completions {
+                assert!(follows_from_its_contract(system, *named), "{what}");
+            }
             mutants += 1;
             let without = name(system, claim, *named);
             let (reduced, own) = alone(system, claim, discharge, Some(*named));
@@ -31,6 +34,30 @@ pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) ->
         }
     }
     (lines, mutants)
+}
+
+/// Whether a completion follows from the contract of its component, without the others.
+fn follows_from_its_contract(system: &System, at: FormulaRef) -> bool {
+    let part = &system.components[at.component.expect("a component")];
+    let formula = system.formula(at).expect("a formula").clone();
+    let mut alone = part.clone();
+    alone.assumptions = Side::default();
+    alone.completions = Side::default();
+    let system = System {
+        variables: system.variables.clone(),
+        components: vec![alone],
+    };
+    let claim = Claim {
+        given: part.assumptions.clone(),
+        goal: Side {
+            justice: vec![formula],
+            ..Side::default()
+        },
+        exports: Exports::Never,
+        ..Claim::default()
+    };
+    let proof = decide(&system, &claim, &Limits::default());
+    proof.expect("no limit").holds()
 }
 
 /// One line of a table by itself: the obligation with what it rests on, except one item.
@@ -69,16 +96,18 @@ fn alone(
         part.assumptions = pick(&part.assumptions, &|k, n| {
             discharge.what == at(Some(i), ContractSide::Assumptions, k, n)
         });
+        part.completions = Side::default();
     }
     let mut given = pick(&claim.given, &|k, n| {
         names.contains(&at(None, ContractSide::Assumptions, k, n))
     });
-    // What was passed on belongs to the environment, and what was proved of the goal before is
-    // known.
-    for name in names
-        .iter()
-        .filter(|n| n.component.is_some() == (n.half == ContractSide::Assumptions))
-    {
+    // What was passed on belongs to the environment. What was proved before is known: of the goal,
+    // of assumptions, and what follows from a contract alone.
+    for name in names.iter().filter(|n| match n.half {
+        ContractSide::Assumptions => n.component.is_some(),
+        ContractSide::Guarantees => n.component.is_none(),
+        ContractSide::Completions => true,
+    }) {
         let formula = replay::formula(system, claim, *name);
         given.list_mut(name.kind).push(formula.clone());
     }

@@ -112,3 +112,43 @@ contract Right {
     let (_, _, proof) = composed(&[&text.replacen("contract", "moore contract", 1)]);
     assert!(proof.holds());
 }
+
+/// A contract that fixes every step need not state that requests are completed.
+#[test]
+fn a_completion_that_follows_from_a_contract_alone_is_relied_on() {
+    let text = "
+moore contract Lead {
+    input done: bool
+    output ask: bool
+    assume served: always eventually (not ask or done)
+    guarantee rest: not ask
+    guarantee asks: always (next ask <-> not (ask and done))
+}
+contract Act {
+    input ask, part: bool
+    output stage: 0..2
+    output done: bool
+    assume held: always (ask and not done -> next ask)
+    assume comes: always eventually (part or not ask)
+    guarantee rest: stage = 0
+    guarantee goes: always (ask and part -> next stage = min(stage + 1, 2))
+    guarantee waits: always (ask and not part -> next stage = stage)
+    guarantee reset: always (not ask -> next stage = 0)
+    guarantee report: always (done <-> stage = 2)
+}
+";
+    let (system, claim, proof) = composed(&[text]);
+    insta::assert_snapshot!(table(&system, &claim, &proof), @"
+    Lead: served | justice 1 | Act: every request completes
+    Act: held | induction | Lead: asks
+    Act: comes | exported | 
+    ");
+    // Without parts, it does not follow.
+    let parts = "    assume comes: always eventually (part or not ask)\n";
+    let (_, _, proof) = composed(&[&text.replace(parts, "")]);
+    assert!(!proof.holds());
+    // An action that waits for what its coordinator does not promise completes nothing.
+    let circle = text.replace("part or not ask", "not ask");
+    let (_, _, proof) = composed(&[&circle]);
+    assert!(!proof.holds());
+}

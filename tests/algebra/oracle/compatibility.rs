@@ -341,6 +341,7 @@ fn unrelated_moore_machines_change_no_verdict() {
                 ..Side::default()
             },
             definitions: Side::default(),
+            completions: Side::default(),
         });
         let joined = compatible(&system, &limits).expect("no limit");
         match (&alone, &joined) {
@@ -374,6 +375,7 @@ fn codes_without_a_value_are_no_way_out() {
         },
         guarantees,
         definitions: Side::default(),
+        completions: Side::default(),
     };
     let step = || formula("step".to_owned(), within(Expr::next(VarId(1))));
     let state = || formula("state".to_owned(), within(now(1)));
@@ -436,6 +438,7 @@ fn no_answer_is_left_only_within_the_assumptions() {
             ..Side::default()
         },
         definitions: Side::default(),
+        completions: Side::default(),
     };
     let mut system = System {
         variables: contracts::named(&[Domain::Bool, Domain::Bool]),

@@ -145,6 +145,7 @@ pub fn part(name: &str, assumptions: Side, guarantees: Side) -> Component {
         assumptions,
         guarantees,
         definitions: Side::default(),
+        completions: Side::default(),
     }
 }
 

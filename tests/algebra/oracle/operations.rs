@@ -97,7 +97,7 @@ fn operations_are_what_they_are_defined_as() {
                         outcomes.assumptions += 1;
                         assert!(more.a[0] && !less.a[0], "{name}, seed {seed}: {run:?}");
                     }
-                    ContractSide::Guarantees => {
+                    ContractSide::Guarantees | ContractSide::Completions => {
                         outcomes.guarantees += 1;
                         assert!(less.g[0] && !more.g[0], "{name}, seed {seed}: {run:?}");
                     }

@@ -187,6 +187,7 @@ pub fn system(r: &mut Random, plan: &Plan, mend: &dyn Fn(&mut Random, &mut Syste
             assumptions: Side::default(),
             guarantees: guarantees(r, &variables, own, timing, name, plan),
             definitions: Side::default(),
+            completions: Side::default(),
         });
     }
     let mut system = System {

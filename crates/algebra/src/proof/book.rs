@@ -69,6 +69,11 @@ impl<'a> ProofRules<'a> {
                 Some(i),
                 Some(ContractSide::Guarantees),
             );
+            add(
+                &component.completions,
+                Some(i),
+                Some(ContractSide::Completions),
+            );
         }
         for (i, component) in system.components.iter().enumerate() {
             add(

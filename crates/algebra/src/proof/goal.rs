@@ -93,6 +93,9 @@ impl<'a> Prover<'a> {
         reliable: &BTreeSet<usize>,
         turn: usize,
     ) -> Result<(), Limit> {
+        if !left.is_empty() {
+            self.derive_completions(reliable)?;
+        }
         'again: loop {
             for (far, rings) in NEAR.into_iter().enumerate() {
                 let mut waiting = VecDeque::from(std::mem::take(&mut left));

@@ -1,7 +1,8 @@
 //! Proof of the justice assumptions of components, in turns, to avoid circular reasoning.
 
+use super::super::system::FormulaRef;
 use super::loops::cycle_through;
-use super::prover::{ALL, Prover, is_assumption, is_given, is_guarantee};
+use super::prover::{ALL, Prover, is_assumption, is_completion, is_given, is_guarantee};
 use super::{Cycle, DischargeRule, Open, Refutation};
 use linewright_core::gr1::FormulaKind;
 use linewright_solver::game::{Lasso, Limit, RunQuery};
@@ -24,6 +25,7 @@ impl Prover<'_> {
             let before = left.len();
             left = self.discharge_by_environment(&left)?;
             if left.len() == before {
+                self.derive_completions(&reliable)?;
                 left = self.discharge_by_justice(&left, &reliable, turn)?;
                 turn += usize::from(left.len() < before);
             }
@@ -68,11 +70,32 @@ impl Prover<'_> {
                 Ok(!p.is_starved(kept, *rule)?)
             })?;
             match found {
-                Some(by) => self.record_with_justice(*rule, &by, 0),
+                Some(by) => {
+                    self.record_with_justice(*rule, &by, 0);
+                    self.met.push(*rule);
+                }
                 None => waiting.push(*rule),
             }
         }
         Ok(waiting)
+    }
+
+    /// Derives the completions of components in `reliable`, each from its own component's contract
+    /// alone: a contract that fixes every step need not state that requests are completed, and
+    /// others can rest on it all the same.
+    pub(super) fn derive_completions(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
+        for rule in self.book.rules_where(|at| is_completion(*at)) {
+            let component = self.component_of(rule);
+            if !reliable.contains(&component) || !self.examined.insert(rule) {
+                continue;
+            }
+            let is_own = |at: &FormulaRef| at.component == Some(component) && !is_completion(*at);
+            let own = self.book.rules_where(is_own);
+            if !self.is_starved(&own, rule)? {
+                self.derived.push(rule);
+            }
+        }
+        Ok(())
     }
 
     /// Discharges one justice assumption with the guarantees of the components in `reliable`,
@@ -97,6 +120,7 @@ impl Prover<'_> {
             for rings in self.attempts() {
                 if let Some(by) = self.minimal_for_justice(rule, reliable, *rings)? {
                     self.record_with_justice(rule, &by, turn);
+                    self.met.push(rule);
                     return Ok(left.iter().copied().filter(|i| *i != rule).collect());
                 }
             }
@@ -132,7 +156,8 @@ impl Prover<'_> {
     }
 
     /// Returns the rules that justice can rest on: the hypotheses, justice of the environment and
-    /// of the components in `reliable`, and proved justice of the goal.
+    /// of the components in `reliable`, discharged justice assumptions, and proved justice of the
+    /// goal.
     pub(super) fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
         let mut found = self.hypotheses();
         found.extend(self.book.rules_where(|at| {
@@ -141,6 +166,9 @@ impl Prover<'_> {
                     || (is_guarantee(*at) && at.component.is_some_and(|p| reliable.contains(&p))))
         }));
         found.extend(self.exported.iter().filter(|i| self.book.is_justice(**i)));
+        found.extend(&self.met);
+        let is_reliable = |i: &&usize| reliable.contains(&self.component_of(**i));
+        found.extend(self.derived.iter().filter(is_reliable));
         found.sort_unstable();
         found.dedup();
         let is_there = |i: &&usize| !self.is_lemma(**i) || self.is_common_lemma(**i);

@@ -13,7 +13,9 @@
 //!   does, neither is proved (McMillan, "Circular compositional reasoning about liveness", CHARME
 //!   1999). So the proof proceeds in turns: a component's justice guarantees are relied on only
 //!   after all its own justice assumptions were discharged. The remaining assumptions wait for one
-//!   another in cycles, which are reported.
+//!   another in cycles, which are reported. A contract without justice guarantees may still imply
+//!   that each request is completed. This is derived from the contract alone, and then counts as
+//!   one. Assumptions that were discharged hold on all runs, so later turns can rest on them.
 //!
 //! The proof has a premise: a component that answers first is relied on to keep its guarantees
 //! about its own answer, without checking its assumptions in that step. If the assumptions of a
@@ -120,9 +122,9 @@ pub struct Discharge {
     pub what: FormulaRef,
     /// Rule that discharges it.
     pub rule: DischargeRule,
-    /// Formulas that the proof rests on: guarantees of components, givens, exported assumptions and
-    /// proved formulas of the goal. The set is minimal, except with [`decide`] and
-    /// [`decide_stepwise`].
+    /// Formulas that the proof rests on: guarantees of components and what follows from them,
+    /// givens, exported and discharged assumptions, and proved formulas of the goal. The set is
+    /// minimal, except with [`decide`] and [`decide_stepwise`].
     pub by: Vec<FormulaRef>,
 }
 

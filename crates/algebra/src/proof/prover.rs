@@ -22,6 +22,12 @@ pub struct Prover<'a> {
     order: Order,
     /// Rule numbers of the assumptions that are exported to the environment.
     pub(super) exported: Vec<usize>,
+    /// Justice assumptions that were discharged: other justice can rest on them.
+    pub(super) met: Vec<usize>,
+    /// Completions of components that follow from the component's own contract.
+    pub(super) derived: Vec<usize>,
+    /// Completions that were examined.
+    pub(super) examined: BTreeSet<usize>,
     /// Formulas of the goal that are proved: other justice of the goal can rest on them.
     pub(super) shown: Vec<usize>,
     /// The formulas in `shown` that are kept step by step, even in steps after which no run
@@ -72,6 +78,9 @@ impl<'a> Prover<'a> {
             claim,
             order: Order::default(),
             exported: Vec::new(),
+            met: Vec::new(),
+            derived: Vec::new(),
+            examined: BTreeSet::new(),
             shown: Vec::new(),
             kept: BTreeSet::new(),
             minimal: true,
@@ -640,6 +649,10 @@ pub(super) fn is_guarantee(at: FormulaRef) -> bool {
 
 pub(super) fn is_assumption(at: FormulaRef) -> bool {
     at.component.is_some() && at.half == ContractSide::Assumptions
+}
+
+pub(super) fn is_completion(at: FormulaRef) -> bool {
+    at.half == ContractSide::Completions
 }
 
 /// Returns a sort key: components in order, the goal last.

@@ -73,6 +73,7 @@ pub(super) fn part(
         assumptions: writer.assumptions,
         guarantees: writer.guarantees,
         definitions: Side::default(),
+        completions: Side::default(),
     }
 }
 

@@ -40,7 +40,7 @@ mod tests;
 pub use self::attack::{Attack, Ending, Play, PlayEnd, select_guarantees};
 pub use self::core::quick_xplain;
 pub use self::explore::{ExplicitStrategy, Row};
-pub use self::findings::requests::Request;
+pub use self::findings::requests::{Request, declared_requests};
 pub use self::findings::shape::{UnframedOutput, WeaknessFindings};
 pub use self::findings::{EnvironmentFindings, PartialValuation};
 pub use self::functions::{

@@ -42,7 +42,7 @@ pub fn uncompleted<K: Kernel>(
 ) -> Result<Vec<Request>, Limit> {
     let m = &arena.kernel;
     let mut found = Vec::new();
-    for mut request in declared(specification) {
+    for mut request in declared_requests(specification) {
         let up = arena.encoding.formula(m, &request.request)?;
         let done = arena.encoding.formula(m, &request.done)?;
         let waiting = m.and_not(&up, &done)?;
@@ -89,8 +89,9 @@ fn names_exception<K: Kernel>(
     Ok(false)
 }
 
-/// Returns the requests that a specification declares.
-fn declared(specification: &Specification) -> Vec<Request> {
+/// Returns the requests that a specification declares, without a verdict on them.
+#[must_use]
+pub fn declared_requests(specification: &Specification) -> Vec<Request> {
     let mut found: Vec<Request> = Vec::new();
     for (assumption, formula) in all(&specification.assumptions) {
         if assumption.kind != Kind::Safety {
