@@ -65,9 +65,15 @@ const SERIES: [Series; 5] = [
     },
 ];
 
-/// One contract of each group of DIN 8580 that has a size, by default and at the size of a plant.
-/// Group 1.10 is [`SERIES`]'s `Print`; the die casting machine of group 1.1 has no sizes.
-const GROUPS: [Series; 41] = [
+/// One contract of each group of DIN 8580, by default and at the size of a plant. Group 1.10 is
+/// [`SERIES`]'s `Print`.
+const GROUPS: [Series; 42] = [
+    Series {
+        contract: "DieCast",
+        file: "primary_shaping/die_cast.lw",
+        defaults: &["cavities: 1..32 = 1"],
+        rows: &[&[1], &[16]],
+    },
     Series {
         contract: "InjectionMold",
         file: "primary_shaping/injection_mold.lw",
