@@ -8,6 +8,7 @@ use crate::controlled::ControlledMachine;
 use linewright_algebra::system::FormulaRef;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::gr1::FormulaKind;
+use linewright_language::contract::NONE_HOLDS;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
 use linewright_line::UndecidedReason;
@@ -169,12 +170,14 @@ pub fn add_call_findings<'a>(
     findings.extend(cut_short.map(|(node, why)| not_followed(line, *node, why)));
 }
 
-/// Whether a finding is the resolver's warning about a route of the line. The resolver does not
-/// know the parts' values; following the parts decides whether the warning is justified.
+/// Whether a finding is the resolver's warning that a part may stay where a route of the line
+/// begins. The resolver does not know the parts' values; following the parts decides whether the
+/// warning is justified.
 pub fn is_route_warning(finding: &Diagnostic, line: &Line) -> bool {
     let of_line = |span| line.routes.iter().any(|route| route.span == span);
     finding.code == codes::LINE_ROUTE
         && finding.severity == Severity::Warning
+        && finding.message.ends_with(NONE_HOLDS)
         && finding.span.is_some_and(of_line)
 }
 

@@ -9,6 +9,9 @@ use super::line::{Choice, Line, NodeKind, Route};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use std::collections::BTreeSet;
 
+/// End of the warnings that depend on the values of parts, which this check does not know.
+pub const NONE_HOLDS: &str = "if none of the conditions holds";
+
 /// Adds findings about the routes of a line to `findings`.
 pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     let mut ended: Vec<usize> = Vec::new();
@@ -38,7 +41,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     }
     report_never_taken(line, findings);
     report_after_endless_room(line, findings);
-    report_isolated(line, findings);
+    report_unreached(line, findings);
     for (part, ty) in line.parts.iter().enumerate() {
         let mut open: Vec<usize> = origins(line, part);
         if open.is_empty() && is_used(line, part) {
@@ -118,7 +121,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                         codes::LINE_ROUTE,
                         routes[routes.len() - 1].span,
                         format!(
-                            "a `{}` stays at `{}` if none of the conditions holds",
+                            "a `{}` stays at `{}` {NONE_HOLDS}",
                             ty.name, place.name
                         ),
                     )
@@ -140,27 +143,100 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Reports places to which no route leads, although they make no parts of their own. A station on
-/// no route at all is no mistake: it is a spare machine that only uses its idle power.
-fn report_isolated(line: &Line, findings: &mut Vec<Diagnostic>) {
+/// Reports places and routes that no part ever reaches, as far as the routes alone decide it. A
+/// station whose machine performs nothing on any part is no mistake: it is a spare machine that
+/// only uses its idle power.
+fn report_unreached(line: &Line, findings: &mut Vec<Diagnostic>) {
+    let reached = reached(line);
+    let is_reached = |node: usize| reached.iter().any(|(_, at)| *at == node);
     for (node, place) in line.nodes.iter().enumerate() {
-        let needs_none = match &place.kind {
-            NodeKind::Source { .. } => true,
-            NodeKind::Store { stock } => !stock.is_empty(),
-            NodeKind::Station(_) => !line.routes.iter().any(|r| r.from == node),
+        let is_spare = match &place.kind {
+            NodeKind::Station(station) => station.machine.is_some() && station.tasks.is_empty(),
             _ => false,
         };
-        if !needs_none && !line.routes.iter().any(|r| r.to == node) {
-            findings.push(
-                Diagnostic::warning(
-                    codes::LINE_ROUTE,
-                    place.span,
-                    format!("no route leads to `{}`", place.name),
-                )
-                .with_help("add a route, or remove the place"),
-            );
+        let leads_on = line.routes.iter().any(|r| r.from == node);
+        if is_reached(node) || is_spare && !leads_on {
+            continue;
+        }
+        let (message, help) = if line.routes.iter().any(|r| r.to == node) {
+            (
+                format!("no part ever reaches `{}`", place.name),
+                "add a route to it from a place that parts reach, or remove the place",
+            )
+        } else if matches!(&place.kind, NodeKind::Station(s) if s.machine.is_some()) && !leads_on {
+            (
+                format!("no route leads to `{}`", place.name),
+                "add a route, or remove the place; a spare machine has no `perform`",
+            )
+        } else {
+            (
+                format!("no route leads to `{}`", place.name),
+                "add a route, or remove the place",
+            )
+        };
+        findings.push(
+            Diagnostic::warning(codes::LINE_ROUTE, place.span, message).with_help(help),
+        );
+    }
+    let mut reported: BTreeSet<(usize, usize)> = BTreeSet::new();
+    for route in &line.routes {
+        let way = (route.part, route.from);
+        // A place that no part reaches is reported itself, and so is a store that has no such parts
+        // when the parts are followed.
+        let is_explained = !is_reached(route.from)
+            || matches!(line.nodes[route.from].kind, NodeKind::Store { .. });
+        if reached.contains(&way) || is_explained || !reported.insert(way) {
+            continue;
+        }
+        let (ty, from) = (&line.parts[route.part], &line.nodes[route.from]);
+        findings.push(
+            Diagnostic::warning(
+                codes::LINE_ROUTE,
+                route.span,
+                format!(
+                    "no `{}` ever takes this route: none reaches `{}`",
+                    ty.name, from.name
+                ),
+            )
+            .with_help(format!(
+                "add a route that brings it, `route {}: ... -> {}`, or remove this one",
+                ty.name, from.name
+            )),
+        );
+    }
+}
+
+/// Returns the pairs of part type and place such that parts of this type come to this place, or are
+/// made there, if each route is taken. Other findings explain why nothing makes a part type, or why
+/// a component is missing; so such parts count as made, lest each place behind be reported, too.
+fn reached(line: &Line) -> BTreeSet<(usize, usize)> {
+    let mut reached: BTreeSet<(usize, usize)> = BTreeSet::new();
+    let mut open: Vec<(usize, usize)> = Vec::new();
+    for (node, place) in line.nodes.iter().enumerate() {
+        match &place.kind {
+            NodeKind::Source { part, .. } => open.push((*part, node)),
+            NodeKind::Store { stock } => open.extend(stock.iter().map(|(part, _)| (*part, node))),
+            _ => {}
         }
     }
+    for part in (0..line.parts.len()).filter(|part| origins(line, *part).is_empty()) {
+        let routes = line.routes.iter().filter(|r| r.part == part);
+        open.extend(routes.map(|r| (part, r.from)));
+    }
+    while let Some((part, node)) = open.pop() {
+        if !reached.insert((part, node)) {
+            continue;
+        }
+        let onward = line.routes.iter();
+        let onward = onward.filter(|r| r.part == part && r.from == node);
+        open.extend(onward.map(|r| (part, r.to)));
+        let joined = line.parts.iter().enumerate().filter(|(joined, ty)| {
+            let mut bill = ty.bill.iter();
+            line.is_joined_at(node, *joined) && bill.any(|(component, _)| *component == part)
+        });
+        open.extend(joined.map(|(joined, _)| (joined, node)));
+    }
+    reached
 }
 
 /// Reports routes that are never taken because an earlier route of the same part type from the same
