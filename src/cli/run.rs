@@ -60,7 +60,8 @@ pub struct Arguments {
     /// Stop at this simulation time
     #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_negative_numbers = true)]
     pub until: Option<f64>,
-    /// Count nothing until this simulation time, because the line is still filling; `auto` finds it
+    /// Count nothing until this simulation time, because the line is still filling, or until a
+    /// number of products is finished, `'500 parts'`; `auto` finds the time
     #[arg(long, value_name = "TIME", value_parser = warm_up, allow_negative_numbers = true)]
     pub warm_up: Option<WarmUp>,
     /// Set a number of the line for this run, such as `capper.takes='2 s'`; repeatable
@@ -143,15 +144,34 @@ pub enum WarmUp {
     Auto,
     /// Simulated seconds.
     Seconds(f64),
+    /// Finished end products.
+    Products(u64),
 }
 
 fn warm_up(text: &str) -> Result<WarmUp, String> {
     if text.trim() == "auto" {
         return Ok(WarmUp::Auto);
     }
+    if let Some(count) = counted_products(text) {
+        return count;
+    }
     time::seconds(text)
         .map(WarmUp::Seconds)
-        .map_err(|why| format!("{why}, or `auto`"))
+        .map_err(|why| format!("{why}, products (`500 parts`), or `auto`"))
+}
+
+/// Parses a number of products, such as `500 parts`; `None` for a text without this word.
+fn counted_products(text: &str) -> Option<Result<WarmUp, String>> {
+    let mut words = ["parts", "part", "products", "product"].into_iter();
+    let digits = words.find_map(|word| text.trim().strip_suffix(word))?;
+    let count = digits.trim_end().parse::<u64>().ok();
+    Some(match count.filter(|count| *count > 0) {
+        Some(count) => Ok(WarmUp::Products(count)),
+        None => Err(format!(
+            "`{}` is not a number of finished products: write for example `500 parts`",
+            text.trim()
+        )),
+    })
 }
 
 /// Maximum number of replications with `--precision` if `--replications` does not limit them.
@@ -232,7 +252,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         };
         let variant = SimulationOptions {
             options: Options {
-                warm_up: base.run.traces[0].warm_up,
+                warm_up: match simulation.options.warm_up_products {
+                    0 => base.run.traces[0].warm_up,
+                    // Each run ends its own warm-up.
+                    _ => 0.0,
+                },
                 ..variant.options
             },
             ..variant
@@ -337,7 +361,11 @@ fn simulation_options(
             batches: arguments.batches,
             warm_up: match arguments.warm_up {
                 Some(WarmUp::Seconds(seconds)) => seconds,
-                Some(WarmUp::Auto) | None => 0.0,
+                Some(WarmUp::Auto | WarmUp::Products(_)) | None => 0.0,
+            },
+            warm_up_products: match arguments.warm_up {
+                Some(WarmUp::Products(products)) => products,
+                _ => 0,
             },
             deadline: options.settings().limits.deadline,
         },

@@ -50,7 +50,7 @@
 //! breakdowns, see `plant/failures.rs`; repairs continue off shift.
 //!
 //! **Warm-up.** Until it ends, parts move as ever, but nothing is counted, and products do not end
-//! the run. See `plant/warm_up.rs`.
+//! the run. It ends at a time, or at the instant of a number of products. See `plant/warm_up.rs`.
 //!
 //! **Conveyors** without a contract accumulate. A part travels for `places * pitch / speed` seconds
 //! and comes off at least `pitch / speed` seconds after the part ahead of it. It comes on once the
@@ -101,6 +101,9 @@ pub struct Options {
     /// Simulated seconds from the start in which nothing is counted. The requested number of
     /// products counts from then on.
     pub warm_up: f64,
+    /// Number of end products of the warm-up: nothing is counted until as many have been made. 0
+    /// for none, or for a warm-up that [`Self::warm_up`] gives.
+    pub warm_up_products: u64,
     /// Number of batches into which a run is cut after the warm-up, for confidence intervals;
     /// `None` for none. See [`batches`].
     pub batches: Option<u32>,
@@ -115,6 +118,7 @@ impl Default for Options {
             parts: None,
             until: None,
             warm_up: 0.0,
+            warm_up_products: 0,
             batches: None,
             deadline: Deadline::NONE,
         }

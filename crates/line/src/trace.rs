@@ -28,6 +28,8 @@ pub struct Trace {
     pub warm_up: f64,
     /// Whether the warm-up was found by a pilot run.
     pub warm_up_found: bool,
+    /// Number of end products after which the warm-up was to end; 0 if a time ended it.
+    pub warm_up_products: u64,
     /// End products per hour of simulated time, after the warm-up.
     pub throughput_per_hour: f64,
     /// End products per hour of working time; `None` if the line has no calendar. Calendars of

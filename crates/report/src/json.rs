@@ -183,6 +183,9 @@ pub fn json(
         "violation_count": trace.violation_count,
         "requirements": requirements,
     });
+    if trace.warm_up_products > 0 {
+        document["warm_up_products"] = trace.warm_up_products.into();
+    }
     if let Value::Object(fields) = &mut document {
         if let Some(seconds) = wall_seconds {
             fields.insert("wall_seconds".to_owned(), round(seconds, 6).into());

@@ -74,9 +74,11 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     );
     row("makespan", duration(trace.makespan));
     let how = if trace.warm_up_found {
-        " (by MSER-5)"
+        " (by MSER-5)".to_owned()
+    } else if trace.warm_up_products > 0 {
+        format!(" (until {} products)", trace.warm_up_products)
     } else {
-        ""
+        String::new()
     };
     let warm_up = if trace.warm_up > 0.0 {
         format!("; warm-up {}{how}, not counted", duration(trace.warm_up))

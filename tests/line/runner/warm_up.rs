@@ -86,6 +86,79 @@ fn a_number_of_products_counts_from_the_end_of_the_warm_up() {
     assert_eq!(trace.seconds, 244.0);
 }
 
+/// A warm-up until a number of products counts as one until the instant of the last of them.
+#[test]
+fn a_warm_up_may_be_given_by_products() {
+    let options = |warm_up_products| Options {
+        until: Some(330.0),
+        warm_up_products,
+        ..Options::default()
+    };
+    // Products leave at 19, 34, 49, 64, 79, ...
+    let by_parts = run(LINE, options(5));
+    assert_eq!((by_parts.warm_up, by_parts.warm_up_products), (79.0, 5));
+    let by_time = run(LINE, until(330.0, 79.0));
+    let same = Trace {
+        warm_up_products: 0,
+        ..by_parts
+    };
+    assert_eq!(format!("{same:?}"), format!("{by_time:?}"));
+    // The line itself runs as without a warm-up.
+    let logged = |warm_up_products| {
+        let logged = plant_of(LINE, options(warm_up_products)).run_logged();
+        logged.movements().copied().collect::<Vec<_>>()
+    };
+    assert_eq!(logged(0), logged(5));
+}
+
+/// The wanted products come after those of the warm-up, also from sources on order.
+#[test]
+fn products_count_from_the_end_of_a_warm_up_by_products() {
+    for supply in ["every 10 s", "on order"] {
+        let text = LINE.replace("every 10 s", supply);
+        let options = Options {
+            parts: Some(10),
+            warm_up_products: 5,
+            ..Options::default()
+        };
+        let trace = run(&text, options);
+        assert_eq!((trace.end, trace.products), (End::Products, 10), "{supply}");
+        assert_eq!(trace.seconds, 79.0 + 150.0, "{supply}");
+    }
+}
+
+/// Batches of products begin after the warm-up.
+#[test]
+fn batches_begin_after_a_warm_up_by_products() {
+    let options = Options {
+        parts: Some(20),
+        warm_up_products: 5,
+        batches: Some(2),
+        ..Options::default()
+    };
+    let trace = run(LINE, options);
+    let seconds: Vec<f64> = trace.batches.iter().map(|batch| batch.seconds).collect();
+    assert_eq!(seconds, [150.0, 150.0]);
+}
+
+#[test]
+fn a_run_with_too_few_products_for_its_warm_up_says_so() {
+    let text = LINE.replace("every 10 s", "every 10 s limit 2");
+    for until in [None, Some(1000.0)] {
+        let options = Options {
+            parts: Some(2),
+            until,
+            warm_up_products: 3,
+            ..Options::default()
+        };
+        let trace = run(&text, options);
+        assert_eq!(trace.products, 0);
+        let messages: Vec<&str> = trace.findings.iter().map(|f| f.message.as_str()).collect();
+        let wanted = "before its warm-up of 3 products (2 made) was over";
+        assert!(messages.iter().any(|m| m.contains(wanted)), "{messages:?}");
+    }
+}
+
 /// However many products are made during the warm-up, they do not end the run.
 #[test]
 fn products_of_the_warm_up_do_not_end_a_run() {

@@ -67,6 +67,45 @@ fn near_the_bound_nothing_is_decided() {
     }
 }
 
+/// A warm-up by products ends in each replication at its own time; table and document give both,
+/// and the number of threads changes nothing.
+#[test]
+fn a_warm_up_may_be_given_by_products() {
+    let session = session();
+    let run = |arguments: &str, threads: &str| {
+        let mut command = session.command(&format!("run md1.lw --parts 500 {arguments}"));
+        command.args(["--warm-up", "50 parts"]);
+        let output = command.env("RAYON_NUM_THREADS", threads).output();
+        let output = output.expect("the program starts");
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    for arguments in [
+        "--replications 5",
+        "--replications 5 --format json --no-timing",
+        "--what-if cell=10% --replications 3",
+        "--batches 10",
+    ] {
+        let text = run(arguments, "1");
+        assert_eq!(text, run(arguments, "4"), "{arguments}");
+        let shown = text.contains(" (until 50 products), not counted");
+        assert_eq!(shown, !arguments.contains("json"), "{text}");
+    }
+    let document: Value =
+        serde_json::from_str(&run("--no-timing --format json", "2")).expect("JSON");
+    assert_eq!(document["warm_up_products"], 50);
+    assert_eq!(document["products"], 500);
+    assert!(document["warm_up_seconds"].as_f64() > Some(40.0));
+
+    for wrong in ["0 parts", "1.5 parts", "many parts"] {
+        let mut command = session.command("run md1.lw --parts 500");
+        let output = command.args(["--warm-up", wrong]).output();
+        let output = output.expect("the program starts");
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains("write for example `500 parts`"), "{error}");
+    }
+}
+
 /// Table, document and exit code of a run in batches; a run has either batches or replications.
 #[test]
 fn batches_give_intervals() {

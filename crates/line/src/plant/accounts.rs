@@ -38,6 +38,7 @@ impl Run<'_> {
             self.progress
                 .count_product(self.events, self.journal.violation_count);
             self.count_in_batch(part);
+            self.count_in_warm_up();
             if self.is_counting() && self.setup.target == Some(self.counters.products) {
                 self.stop(End::Products);
             }

@@ -92,7 +92,7 @@ impl Run<'_> {
     /// Advances the run to its end, because from now on only shifts begin and end.
     fn wait_until(&mut self, horizon: f64) {
         let warm_up = self.setup.options.warm_up;
-        if !self.is_counting() && warm_up < horizon {
+        if !self.is_counting() && warm_up > 0.0 && warm_up < horizon {
             self.wait_until(warm_up);
             self.end_warm_up();
         }

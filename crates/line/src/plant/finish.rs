@@ -137,6 +137,7 @@ impl Run<'_> {
             makespan: self.counters.makespan,
             warm_up: start,
             warm_up_found: self.setup.warm_up_found,
+            warm_up_products: self.setup.options.warm_up_products,
             throughput_per_hour: per_hour(counted),
             throughput_on_shift: on_shift_seconds.map(per_hour),
             wip: WorkInProgress {

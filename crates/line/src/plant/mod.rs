@@ -463,10 +463,10 @@ impl<'a> Run<'a> {
             return End::Products;
         }
         self.schedule_shift();
-        if self.setup.options.warm_up > 0.0 {
-            self.schedule(self.setup.options.warm_up, WARM_UP, Event::WarmUp);
-        } else {
+        if !self.setup.has_warm_up() {
             self.begin_batches();
+        } else if self.setup.options.warm_up > 0.0 {
+            self.schedule(self.setup.options.warm_up, WARM_UP, Event::WarmUp);
         }
         for node in 0..self.nodes.len() {
             self.schedule_failures(node);
@@ -580,10 +580,15 @@ impl<'a> Run<'a> {
 }
 
 impl Setup {
+    /// Whether the runs begin with a warm-up.
+    fn has_warm_up(&self) -> bool {
+        self.options.warm_up > 0.0 || self.options.warm_up_products > 0
+    }
+
     /// Number of parts of a type that are ordered at the start of a run; `None` if there are orders
     /// without end: during the warm-up, and if the products may be of several types.
     fn orders(&self, part: usize) -> Option<u64> {
-        let target = self.target.filter(|_| self.options.warm_up <= 0.0)?;
+        let target = self.target.filter(|_| !self.has_warm_up())?;
         let product = self.line.only_product()?;
         Some(target.saturating_mul(self.content(product, part)))
     }

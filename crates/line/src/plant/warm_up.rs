@@ -1,7 +1,7 @@
 //! The warm-up: the time from the start of a run in which nothing is counted, because the line is
 //! still filling.
 
-use super::{Place, Plant, Run};
+use super::{Event, Place, Plant, Run, WARM_UP};
 use crate::mser::mser5;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -16,6 +16,7 @@ impl Plant {
     /// Returns `LW404` if the pilot run is too short, and `LW204` if the deadline cut it off.
     pub fn find_warm_up(&mut self) -> Result<f64, Box<Diagnostic>> {
         self.setup.options.warm_up = 0.0;
+        self.setup.options.warm_up_products = 0;
         let mut run = self.begin(self.setup.options.seed, None);
         run.counters.observations = Some(Vec::new());
         if run.advance() == End::GaveUp
@@ -61,6 +62,15 @@ impl Plant {
 }
 
 impl Run<'_> {
+    /// Ends the warm-up at this instant if it lasts until a number of products, and this was the
+    /// last of them.
+    pub(super) fn count_in_warm_up(&mut self) {
+        let wanted = self.setup.options.warm_up_products;
+        if !self.is_counting() && self.counters.products == wanted {
+            self.schedule(self.now, WARM_UP, Event::WarmUp);
+        }
+    }
+
     /// Ends the warm-up: what has been counted so far is forgotten. Violations and findings are
     /// kept. Parts that are in the line stay there. Sources on order, which have had orders without
     /// end so far, get those for the wanted products, if these are of one type.
@@ -115,9 +125,13 @@ impl Run<'_> {
         if self.is_counting() {
             return;
         }
+        let of = match self.setup.options.warm_up_products {
+            0 => String::new(),
+            wanted => format!(" of {wanted} products ({} made)", self.counters.products),
+        };
         self.end_warm_up();
         let message = format!(
-            "the run of {} ended at {}, before its warm-up was over: nothing was counted",
+            "the run of {} ended at {}, before its warm-up{of} was over: nothing was counted",
             self.line.name,
             self.moment()
         );
@@ -129,7 +143,7 @@ impl Run<'_> {
 
     /// Whether the warm-up is over, or there is none.
     pub(super) fn is_counting(&self) -> bool {
-        self.counting_since.is_some() || self.setup.options.warm_up <= 0.0
+        self.counting_since.is_some() || !self.setup.has_warm_up()
     }
 
     /// Time from which on was counted: the end of the warm-up, or 0.

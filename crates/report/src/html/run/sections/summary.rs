@@ -54,7 +54,7 @@ pub(super) fn header(page: &Page<'_>) -> Markup {
             @if !page.line.doc.is_empty() { p.doc { (page.line.doc) } }
             p {
                 (duration_in_units(trace.seconds)) " simulated, random seed " (trace.seed)
-                @if trace.warm_up > 0.0 { "; the first " (duration_in_units(trace.warm_up)) " are the warm-up and do not count" }
+                @if trace.warm_up > 0.0 { "; the first " (duration_in_units(trace.warm_up)) " are the warm-up" @if trace.warm_up_products > 0 { ", until " (trace.warm_up_products) " products were made," } " and do not count" }
                 ". " (ending(trace.end))
                 @if page.traces.len() > 1 { " This is run 1 of " (page.traces.len()) ". The conclusion, the figures below it, and the intervals are of all runs; sections that are of run 1 alone say so." }
                 @if let Some(day) = page.line.first_day {
