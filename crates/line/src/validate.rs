@@ -155,6 +155,7 @@ impl Check<'_> {
                             time.is_valid() && time.takes_time()
                         }
                         Between::Parts(count) => *count > 0,
+                        Between::DrawnParts(count) => count.is_valid(),
                     };
                     self.require(sound, node.span, || {
                         format!("{name} has an invalid time between failures")

@@ -396,8 +396,8 @@ fn column(c: &mut Column) {
 
 fn failures(f: &mut Failures) {
     names(&mut f.name);
-    if let Between::Time(time) = &mut f.between {
-        duration(time);
+    if let Between::Time(value) | Between::DrawnParts(value) = &mut f.between {
+        duration(value);
     }
     duration(&mut f.mttr);
     f.span = Span::default();

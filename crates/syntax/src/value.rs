@@ -1,6 +1,6 @@
 //! A value that stands alone: text from outside of a file, which replaces the value of a statement.
 
-use super::ast::{Expr, TimeValue};
+use super::ast::{Between, Expr, TimeValue};
 use super::parser::Rule;
 
 /// The statement to which a value belongs, which determines the syntax of the value.
@@ -20,6 +20,9 @@ pub enum ValueSyntax {
     Limit,
     /// A whole number.
     Count,
+    /// A number of parts, or the distribution from which it is drawn, optionally followed by
+    /// `parts`.
+    Parts,
 }
 
 impl ValueSyntax {
@@ -33,6 +36,7 @@ impl ValueSyntax {
             Self::Bound => Rule::only_bound,
             Self::Limit => Rule::only_limit,
             Self::Count => Rule::only_count,
+            Self::Parts => Rule::only_parts,
         }
     }
 }
@@ -47,4 +51,6 @@ pub enum Value {
     Time(TimeValue, bool),
     /// A whole number.
     Count(u64),
+    /// A number of parts.
+    Parts(Between),
 }

@@ -428,6 +428,10 @@ impl<'n> Choices<'n> {
             }
             _ => {}
         }
+        self.drawn()
+    }
+
+    fn drawn(&mut self) -> TimeValue {
         TimeValue::Drawn {
             name: name(["uniform", "normal", "discrete"][self.pick(3)]),
             outcomes: self.list(1, 3, |c| Outcome {
@@ -455,10 +459,10 @@ impl<'n> Choices<'n> {
     fn failures(&mut self) -> Failures {
         Failures {
             name: self.option(Self::plain),
-            between: if self.maybe() {
-                Between::Parts(self.count())
-            } else {
-                Between::Time(self.duration())
+            between: match self.pick(3) {
+                0 => Between::Parts(self.count()),
+                1 => Between::DrawnParts(self.drawn()),
+                _ => Between::Time(self.duration()),
             },
             mttr: self.duration(),
             calendar: self.maybe(),

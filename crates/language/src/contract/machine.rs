@@ -309,7 +309,7 @@ impl FailureMode {
     /// Returns whether it scraps parts. Failures after a number of parts interrupt no work.
     pub fn scraps_parts(&self) -> bool {
         self.interrupted == InterruptedWork::ScrapsPart
-            && !matches!(self.between, Between::Parts(_))
+            && !matches!(self.between, Between::Parts(_) | Between::DrawnParts(_))
     }
 }
 
@@ -322,6 +322,9 @@ pub enum Between {
     Calendar(Distribution),
     /// A number of finished parts, at least 1.
     Parts(u64),
+    /// A number of finished parts that is drawn: each draw is rounded to a whole number that is at
+    /// least 1.
+    DrawnParts(Distribution),
 }
 
 /// An expression over real numbers, as computed by the plant. Truth values are 0 and 1.

@@ -120,10 +120,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                     Diagnostic::warning(
                         codes::LINE_ROUTE,
                         routes[routes.len() - 1].span,
-                        format!(
-                            "a `{}` stays at `{}` {NONE_HOLDS}",
-                            ty.name, place.name
-                        ),
+                        format!("a `{}` stays at `{}` {NONE_HOLDS}", ty.name, place.name),
                     )
                     .with_help("end the last route with `otherwise`"),
                 );
@@ -174,9 +171,7 @@ fn report_unreached(line: &Line, findings: &mut Vec<Diagnostic>) {
                 "add a route, or remove the place",
             )
         };
-        findings.push(
-            Diagnostic::warning(codes::LINE_ROUTE, place.span, message).with_help(help),
-        );
+        findings.push(Diagnostic::warning(codes::LINE_ROUTE, place.span, message).with_help(help));
     }
     let mut reported: BTreeSet<(usize, usize)> = BTreeSet::new();
     for route in &line.routes {

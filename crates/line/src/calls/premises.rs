@@ -128,7 +128,7 @@ fn can_restart_for_ever(station: &Station) -> bool {
             Between::Working(time) | Between::Calendar(time) => {
                 restarts && time.greatest() < longest
             }
-            Between::Parts(_) => false,
+            Between::Parts(_) | Between::DrawnParts(_) => false,
         }
     })
 }

@@ -37,6 +37,13 @@ enum Trigger {
     Calendar(Sampler),
     /// Number of parts left, and number of parts between failures.
     Parts(u64, u64),
+    /// Number of parts left, and the draws of such numbers.
+    DrawnParts(u64, Sampler),
+}
+
+/// Draws a number of parts: to the nearest whole number, and at least 1.
+fn parts(count: &mut Sampler) -> u64 {
+    count.draw().round().max(1.0) as u64
 }
 
 impl Failures {
@@ -57,6 +64,10 @@ impl Failures {
                     }
                     Between::Calendar(time) => Trigger::Calendar(between(time)),
                     Between::Parts(count) => Trigger::Parts(*count, *count),
+                    Between::DrawnParts(count) => {
+                        let mut between = between(count);
+                        Trigger::DrawnParts(parts(&mut between), between)
+                    }
                 },
                 repair: Sampler::new(&mode.repair, stream(seed, Purpose::Repairs, &name)),
                 interrupted: mode.interrupted,
@@ -120,13 +131,20 @@ impl Failures {
     pub(super) fn part_finished(&mut self) -> Vec<usize> {
         let mut struck = Vec::new();
         for (index, mode) in self.modes.iter_mut().enumerate() {
-            if let Trigger::Parts(left, every) = &mut mode.trigger {
-                *left -= 1;
-                if *left == 0 {
-                    *left = *every;
-                    struck.push(index);
-                }
+            let left = match &mut mode.trigger {
+                Trigger::Parts(left, _) | Trigger::DrawnParts(left, _) => left,
+                Trigger::Work(..) | Trigger::Calendar(_) => continue,
+            };
+            *left -= 1;
+            if *left > 0 {
+                continue;
             }
+            match &mut mode.trigger {
+                Trigger::Parts(left, every) => *left = *every,
+                Trigger::DrawnParts(left, every) => *left = parts(every),
+                Trigger::Work(..) | Trigger::Calendar(_) => {}
+            }
+            struck.push(index);
         }
         struck
     }

@@ -121,13 +121,15 @@ pub enum Between {
     Time(TimeValue),
     /// `every 500 parts`: a number of parts.
     Parts(u64),
+    /// `every uniform(400, 600) parts`: a number of parts that is drawn from a distribution.
+    DrawnParts(TimeValue),
 }
 
 impl Failures {
     /// The expressions in the statement, in source order.
     pub fn expressions(&self) -> Vec<&Expr> {
         let between = match &self.between {
-            Between::Time(time) => time.expressions(),
+            Between::Time(value) | Between::DrawnParts(value) => value.expressions(),
             Between::Parts(_) => Vec::new(),
         };
         between.into_iter().chain(self.mttr.expressions()).collect()

@@ -360,12 +360,17 @@ impl Builder {
     /// Builds a duration: a value or a distribution.
     pub(super) fn duration(&mut self, pair: Pair<'_, Rule>) -> TimeValue {
         let inner = Children::of(pair).next();
-        let span = self.span(&inner);
         let rule = inner.as_rule();
         if !matches!(rule, Rule::drawn | Rule::empirical) {
             return TimeValue::Value(self.expr(inner));
         }
-        let mut c = Children::of(inner);
+        self.drawn(inner)
+    }
+
+    /// Builds a distribution.
+    fn drawn(&mut self, pair: Pair<'_, Rule>) -> TimeValue {
+        let span = self.span(&pair);
+        let mut c = Children::of(pair);
         if c.take(Rule::empirical_word).is_some() {
             let column = self.column(c.next());
             return TimeValue::Empirical { column, span };
@@ -410,19 +415,29 @@ impl Builder {
         }
     }
 
+    /// Builds a number of parts: a count, or a distribution.
+    pub(super) fn parts_between(&mut self, pair: Pair<'_, Rule>) -> Between {
+        if pair.as_rule() == Rule::integer {
+            Between::Parts(self.count(&pair))
+        } else {
+            Between::DrawnParts(self.drawn(pair))
+        }
+    }
+
     /// Builds the failures of a machine or station from the children of the statement.
     pub(super) fn failures(&mut self, mut c: Children<'_>, span: Span) -> Failures {
         let name = c.take(Rule::mode);
         let name = name.map(|mode| self.name(&Children::of(mode).next()));
         let between = match c.take(Rule::after_parts) {
-            Some(parts) => Between::Parts(self.count(&Children::of(parts).next())),
+            Some(parts) => self.parts_between(Children::of(parts).next()),
             None => Between::Time(self.duration(c.next())),
         };
+        let calendar = c.take(Rule::by_calendar).is_some();
         Failures {
             name,
             between,
             mttr: self.duration(c.next()),
-            calendar: c.take(Rule::by_calendar).is_some(),
+            calendar: c.take(Rule::by_calendar).is_some() || calendar,
             interrupted: if c.take(Rule::restarts).is_some() {
                 InterruptedWork::Restarts
             } else if c.take(Rule::scraps).is_some() {

@@ -153,6 +153,7 @@ impl Builder {
         };
         match syntax {
             ValueSyntax::Count => Value::Count(self.count(&c.next())),
+            ValueSyntax::Parts => Value::Parts(self.parts_between(c.next())),
             ValueSyntax::Time | ValueSyntax::Interval => {
                 let random = c.take(Rule::random).is_some();
                 Value::Time(self.duration(c.next()), random)

@@ -104,6 +104,11 @@ impl Printer<'_> {
             }
             Between::Parts(1) => self.put("every 1 part"),
             Between::Parts(count) => self.put(&format!("every {count} parts")),
+            Between::DrawnParts(count) => {
+                self.put("every ");
+                self.duration(count);
+                self.put(" parts");
+            }
         }
         self.put(" mttr ");
         self.duration(&failures.mttr);

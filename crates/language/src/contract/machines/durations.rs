@@ -6,6 +6,7 @@ use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::machine::{Between, FailureMode, InterruptedWork};
 use crate::contract::scope::{duplicate_name, duplicate_statement};
 use crate::contract::table;
+use crate::contract::units::MAX_SECONDS;
 use crate::contract::value::Dimension;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
@@ -66,7 +67,7 @@ pub(in crate::contract) fn duration<'a>(
             name,
             outcomes,
             span,
-        } => drawn(e, name, outcomes, *span),
+        } => drawn(e, name, outcomes, *span, Dimension::Time),
         TimeValue::Empirical { column, .. } => table::empirical(e, column),
     }
 }
@@ -117,20 +118,28 @@ fn single<'a>(e: &mut Elaborator<'a>, value: &'a ast::Expr) -> Option<f64> {
     non_negative(e, value, Dimension::Time)
 }
 
+/// Resolves a distribution of durations, or of numbers without a unit.
 fn drawn<'a>(
     e: &mut Elaborator<'a>,
     name: &ast::Name,
     outcomes: &'a [Outcome],
     span: Span,
+    dimension: Dimension,
 ) -> Option<Distribution> {
     let word = name.text.as_str();
     let known = DISTRIBUTIONS.iter().find(|(known, ..)| *known == word);
     let help = match known {
-        Some((_, example, parameters)) => format!("write `{example}`: {parameters}"),
+        Some((_, example, parameters)) if dimension == Dimension::Time => {
+            format!("write `{example}`: {parameters}")
+        }
+        Some((_, example, parameters)) => {
+            let example = example.replace(" s", "").replace(" h", "");
+            format!("write `{example}`: {parameters}")
+        }
         None => String::new(),
     };
     if word == "discrete" {
-        return discrete(e, outcomes, span, help);
+        return discrete(e, outcomes, span, help, dimension);
     }
     if let Some(weight) = outcomes.iter().find_map(|o| o.weight.as_ref()) {
         e.findings.error_with(
@@ -168,7 +177,7 @@ fn drawn<'a>(
     };
     if word == "erlang" {
         let stages = e.constant_int(values[0]);
-        let mean = non_negative(e, values[1], Dimension::Time);
+        let mean = non_negative(e, values[1], dimension);
         let stages = stages?;
         if !(1..=MAX_STAGES).contains(&stages) {
             e.findings.error_with(
@@ -189,7 +198,7 @@ fn drawn<'a>(
         numbers.push(if at < shapes {
             shape(e, value)
         } else {
-            non_negative(e, value, Dimension::Time)
+            non_negative(e, value, dimension)
         });
     }
     let numbers: Vec<f64> = numbers.into_iter().collect::<Option<_>>()?;
@@ -222,7 +231,19 @@ fn drawn<'a>(
         e.findings.error_with(
             codes::ARGUMENT,
             span,
-            format!("the durations of `{word}` must be in order, the shortest first"),
+            format!(
+                "the {} of `{word}` must be in order, the {} first",
+                if dimension == Dimension::Time {
+                    "durations"
+                } else {
+                    "numbers"
+                },
+                if dimension == Dimension::Time {
+                    "shortest"
+                } else {
+                    "smallest"
+                },
+            ),
             help,
         );
         return None;
@@ -258,10 +279,11 @@ fn discrete<'a>(
     outcomes: &'a [Outcome],
     span: Span,
     help: String,
+    dimension: Dimension,
 ) -> Option<Distribution> {
     let mut resolved = Vec::new();
     for Outcome { value, weight } in outcomes {
-        let seconds = non_negative(e, value, Dimension::Time);
+        let seconds = non_negative(e, value, dimension);
         let Some(weight) = weight else {
             e.findings.error_with(
                 codes::ARGUMENT,
@@ -338,32 +360,17 @@ fn failure_mode<'a>(e: &mut Elaborator<'a>, mode: &'a ast::Failures) -> Option<F
             }
         }
         ast::Between::Parts(count) => {
-            if mode.calendar {
-                e.findings.error_with(
-                    codes::ARGUMENT,
-                    mode.span,
-                    "failures after a number of parts do not go by the calendar",
-                    "remove `by calendar`",
-                );
-            }
-            if mode.interrupted != InterruptedWork::Resumes {
-                let message = "a failure after a number of parts interrupts no work, since it comes when the work on a part ends";
-                e.findings.push(
-                    Diagnostic::warning(codes::UNUSED, mode.span, message)
-                        .with_help("remove `restart` or `scrap`"),
-                );
-            }
+            check_parts_mode(e, mode);
             if *count == 0 {
-                e.findings.error_with(
-                    codes::ARGUMENT,
-                    mode.span,
-                    "there must be at least 1 part between two failures",
-                    "remove `failures` if the machine never fails",
-                );
+                refuse_no_parts(e, mode.span);
                 None
             } else {
                 Some(Between::Parts(*count))
             }
+        }
+        ast::Between::DrawnParts(written) => {
+            check_parts_mode(e, mode);
+            drawn_parts(e, written).map(Between::DrawnParts)
         }
     };
     let repair = random_duration(e, &mode.mttr);
@@ -376,4 +383,59 @@ fn failure_mode<'a>(e: &mut Elaborator<'a>, mode: &'a ast::Failures) -> Option<F
         repair: repair?,
         interrupted: mode.interrupted,
     })
+}
+
+/// Checks the words of a failure mode that goes by a number of parts.
+fn check_parts_mode(e: &mut Elaborator<'_>, mode: &ast::Failures) {
+    if mode.calendar {
+        e.findings.error_with(
+            codes::ARGUMENT,
+            mode.span,
+            "failures after a number of parts do not go by the calendar",
+            "remove `by calendar`",
+        );
+    }
+    if mode.interrupted != InterruptedWork::Resumes {
+        let message = "a failure after a number of parts interrupts no work, since it comes when the work on a part ends";
+        e.findings.push(
+            Diagnostic::warning(codes::UNUSED, mode.span, message)
+                .with_help("remove `restart` or `scrap`"),
+        );
+    }
+}
+
+fn refuse_no_parts(e: &mut Elaborator<'_>, span: Span) {
+    e.findings.error_with(
+        codes::ARGUMENT,
+        span,
+        "there must be at least 1 part between two failures",
+        "remove `failures` if the machine never fails",
+    );
+}
+
+/// Resolves the distribution of a number of parts.
+fn drawn_parts<'a>(e: &mut Elaborator<'a>, written: &'a TimeValue) -> Option<Distribution> {
+    let TimeValue::Drawn {
+        name,
+        outcomes,
+        span,
+    } = written
+    else {
+        return None;
+    };
+    let count = drawn(e, name, outcomes, *span, Dimension::None)?;
+    if count.is_zero() {
+        refuse_no_parts(e, *span);
+        return None;
+    }
+    if !count.is_valid() {
+        e.findings.error_with(
+            codes::ARGUMENT,
+            *span,
+            "these are more parts than a run supports",
+            format!("write numbers up to {MAX_SECONDS:e}"),
+        );
+        return None;
+    }
+    Some(count)
 }

@@ -77,7 +77,7 @@ pub(super) fn for_each(
 pub(super) fn expression(value: Value) -> (Expr, bool) {
     match value {
         Value::Expression(value, words) => (value, words),
-        Value::Time(..) | Value::Count(_) => unreachable!("another syntax was asked for"),
+        _ => unreachable!("another syntax was asked for"),
     }
 }
 
@@ -98,16 +98,21 @@ fn has_unit(value: &Expr) -> bool {
 fn duration(value: Value) -> (TimeValue, bool) {
     match value {
         Value::Time(value, words) => (value, words),
-        Value::Expression(..) | Value::Count(_) => unreachable!("another syntax was asked for"),
+        _ => unreachable!("another syntax was asked for"),
+    }
+}
+
+fn parts_between(value: Value) -> Between {
+    match value {
+        Value::Parts(between) => between,
+        _ => unreachable!("another syntax was asked for"),
     }
 }
 
 pub(super) fn count(value: &Value) -> u64 {
     match value {
         Value::Count(count) => *count,
-        Value::Expression(..) | Value::Time(..) => {
-            unreachable!("another syntax was asked for")
-        }
+        _ => unreachable!("another syntax was asked for"),
     }
 }
 
@@ -486,7 +491,23 @@ impl Slots<'_> {
         };
         match &mut mode.between {
             Between::Time(time) => self.duration(names("mtbf"), time),
-            Between::Parts(parts) => self.count(names("every"), parts, mode.span),
+            between => {
+                let present = match between {
+                    Between::DrawnParts(count) => Present::Text(count.span()),
+                    Between::Parts(count) => Present::Count(*count),
+                    Between::Time(time) => Present::Text(time.span()),
+                };
+                let at = Some(mode.span);
+                self.slot_at(
+                    names("every"),
+                    ValueSyntax::Parts,
+                    Some(present),
+                    at,
+                    |new| {
+                        *between = parts_between(new);
+                    },
+                );
+            }
         }
         self.duration(names("mttr"), &mut mode.mttr);
     }
