@@ -107,6 +107,98 @@ fn failures_after_a_number_of_parts_strike_at_the_end_of_work() {
     );
 }
 
+/// The numbers of parts between failures, in a run of so many seconds of work.
+fn gaps(statements: &str, until: f64) -> Vec<u64> {
+    let trace = run("0 s", &format!("takes 1 s {statements}"), until);
+    let mut gaps = Vec::new();
+    let mut parts = 0;
+    for entry in &trace.log {
+        match entry.what {
+            EventKind::Ended => parts += 1,
+            EventKind::Failed => gaps.push(std::mem::take(&mut parts)),
+            _ => {}
+        }
+    }
+    gaps
+}
+
+/// A drawn number of parts is rounded to a whole number, and is at least 1.
+#[test]
+fn a_number_of_parts_may_be_drawn() {
+    let rounded = |count: &str| {
+        let failures = format!("failures every {count} parts mttr constant(5 s)");
+        gaps(&failures, 40.0)
+    };
+    assert_eq!(rounded("constant(2)"), rounded("2"));
+    assert_eq!(rounded("constant(2.5)"), rounded("3"));
+    assert_eq!(rounded("uniform(0, 0.4)"), rounded("1"));
+    assert_eq!(rounded("uniform(1.6, 2.4)"), rounded("2"));
+}
+
+/// Of the whole numbers from 50 to 150, the first and the last are half as likely as the others:
+/// the mean is 100, and the variance 100^2 / 12 + 1 / 12 + 1 / 12 with Sheppard's correction.
+#[test]
+fn drawn_numbers_of_parts_have_their_distribution() {
+    let gaps = gaps(
+        "failures every uniform(50, 150) parts mttr constant(0 s)",
+        4e5,
+    );
+    let count = gaps.len() as f64;
+    assert!(count > 3900.0, "{count}");
+    assert!(gaps.iter().all(|gap| (50..=150).contains(gap)));
+    let mean = gaps.iter().sum::<u64>() as f64 / count;
+    let deviation = |gap: &u64| (*gap as f64 - mean).powi(2);
+    let variance = gaps.iter().map(deviation).sum::<f64>() / (count - 1.0);
+    // Four standard errors; the fourth central moment of the uniform distribution is w^4 / 80.
+    let wanted = (1e4_f64 + 1.0) / 12.0;
+    let error = 4.0 * (wanted / count).sqrt();
+    assert!((mean - 100.0).abs() < error, "{mean}");
+    let error = 4.0 * ((1e8 / 80.0 - wanted.powi(2)) / count).sqrt();
+    assert!((variance - wanted).abs() < error, "{variance}");
+    // Each of ten equal ranges has its share: chi-square with 9 degrees of freedom.
+    let mut observed = [0.0; 10];
+    for gap in gaps.iter().filter(|gap| (51..150).contains(*gap)) {
+        observed[(*gap as usize - 51) / 10] += 1.0;
+    }
+    let inner = count * 99.0 / 100.0;
+    let square = |(range, seen): (usize, &f64)| {
+        let expected = inner * if range < 9 { 10.0 } else { 9.0 } / 99.0;
+        (seen - expected).powi(2) / expected
+    };
+    let chi_square: f64 = observed.iter().enumerate().map(square).sum();
+    assert!(chi_square < 27.9, "{chi_square}");
+}
+
+/// Each mode draws from a stream of its own: another mode changes nothing.
+#[test]
+fn drawn_numbers_of_parts_do_not_depend_on_other_modes() {
+    let blunt = "failures blunt: every weibull(2, 40) parts mttr constant(0 s)";
+    let alone = gaps(blunt, 5000.0);
+    assert!(alone.len() > 100);
+    let other = format!("{blunt} failures oil: every uniform(5000, 9000) parts mttr 1 s");
+    assert_eq!(gaps(&other, 5000.0), alone);
+    let named = blunt.replace("blunt", "worn");
+    assert_ne!(gaps(&named, 5000.0), alone);
+}
+
+/// `by calendar` may stand behind either of the two times.
+#[test]
+fn by_calendar_has_two_places() {
+    let failed = |words: &str| {
+        let trace = run("0 s", &format!("takes 10 s failures {words}"), 65.0);
+        instants(&trace, EventKind::Failed)
+    };
+    let wanted = [23.0, 51.0];
+    assert_eq!(
+        failed("mtbf constant(23 s) by calendar mttr constant(5 s)"),
+        wanted
+    );
+    assert_eq!(
+        failed("mtbf constant(23 s) mttr constant(5 s) by calendar"),
+        wanted
+    );
+}
+
 #[test]
 fn repairs_of_several_modes_follow_each_other() {
     let trace = run(
