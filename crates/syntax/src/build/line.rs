@@ -288,7 +288,7 @@ impl Builder {
                 }
                 Rule::s_takes => StationItem::Takes {
                     duration: self.duration(c.next()),
-                    part: c.take(Rule::name).map(|n| self.name(&n)),
+                    part: c.take(Rule::word).map(|n| self.name(&n)),
                 },
                 Rule::s_sets => {
                     let property = self.name(&c.next());
@@ -298,7 +298,7 @@ impl Builder {
                         property,
                         index,
                         value: self.expr(c.next()),
-                        part: c.take(Rule::name).map(|n| self.name(&n)),
+                        part: c.take(Rule::word).map(|n| self.name(&n)),
                     }
                 }
                 Rule::s_setup => StationItem::Setup(self.duration(c.next())),
