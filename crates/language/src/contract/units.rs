@@ -8,9 +8,9 @@
 pub(super) enum Dimension {
     /// A bare number.
     None,
-    /// A fraction of 1, written in `%`. It is allowed where a bare number is expected, but cannot
-    /// be added to or compared with one, because in `1 - 5 %` it would be unclear whether 1 means 1
-    /// %.
+    /// A fraction of 1, written in `%`. It is allowed where a bare number is expected. A constant
+    /// may be added to or compared with a bare one: `1 - 5 %` is 95 %. With a property it would be
+    /// unclear whether 1 means 1 %, since a bare number in its declaration is in the declared unit.
     Share,
     /// Seconds.
     Time,

@@ -183,7 +183,8 @@ fn no_common_unit(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
 }
 
 /// Returns the common dimension of two operands of addition or comparison. The number 0 fits every
-/// dimension. Reports operands without a common dimension.
+/// dimension. Among constants a bare number fits a share, as in `1 - 30 %`: it is a multiple of
+/// 100 %. Reports operands without a common dimension.
 pub(super) fn same_dimension(
     span: Span,
     (a, at): (&Term, &Type),
@@ -201,6 +202,18 @@ pub(super) fn same_dimension(
     if is_zero(a) {
         return Some(bd);
     }
+    let is_share_of_1 = matches!(
+        (ad, bd),
+        (Dimension::Share, Dimension::None) | (Dimension::None, Dimension::Share)
+    );
+    if is_share_of_1 && constant_real(a).is_some() && constant_real(b).is_some() {
+        return Some(Dimension::Share);
+    }
+    let help = if is_share_of_1 {
+        "write the number as a share, too: `100 %` for 1; only among constants, a bare number is a multiple of 100 %"
+    } else {
+        "use units of the same kind on both sides"
+    };
     findings.error_with(
         codes::TYPE_MISMATCH,
         span,
@@ -209,7 +222,7 @@ pub(super) fn same_dimension(
             ad.describe(),
             bd.describe()
         ),
-        "use units of the same kind on both sides",
+        help,
     );
     None
 }
