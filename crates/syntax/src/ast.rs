@@ -863,13 +863,8 @@ pub struct Hours {
     pub from: Expr,
     /// End.
     pub to: Expr,
-}
-
-impl Hours {
     /// Place of the two times.
-    pub fn span(&self) -> Span {
-        self.from.span.to(self.to.span)
-    }
+    pub span: Span,
 }
 
 /// `Monday`, or `Monday to Friday`

@@ -361,6 +361,7 @@ fn station(item: &mut StationItem) {
 fn shift(s: &mut Shift) {
     for hours in std::iter::once(&mut s.hours).chain(&mut s.breaks) {
         exprs([&mut hours.from, &mut hours.to]);
+        hours.span = Span::default();
     }
     for days in &mut s.days {
         name(&mut days.first);

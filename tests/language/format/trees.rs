@@ -510,6 +510,7 @@ impl<'n> Choices<'n> {
         Hours {
             from: self.expr(),
             to: self.expr(),
+            span: Span::default(),
         }
     }
 

@@ -334,6 +334,180 @@ fn own_values_change_nothing() {
     });
 }
 
+/// The text without comments, texts in quotes and dates: blanks are in their place.
+fn without_remarks(text: &str) -> String {
+    let mut kept = String::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let is_date = |text: &str| {
+            let digits: Vec<&str> = text.splitn(3, '-').collect();
+            let numbers = digits.len() == 3 && digits[0].len() == 4 && digits[1].len() == 2;
+            numbers && digits.concat().chars().all(|c| c.is_ascii_digit())
+        };
+        let skipped = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if first == '"' {
+            rest[1..].find('"').map_or(rest.len(), |end| end + 2)
+        } else if rest.get(..10).is_some_and(is_date) {
+            10
+        } else {
+            kept.push(first);
+            rest = &rest[first.len_utf8()..];
+            continue;
+        };
+        kept.push_str(&" ".repeat(skipped));
+        rest = &rest[skipped..];
+    }
+    kept
+}
+
+/// Where numbers begin in a text, with their digits.
+fn literals(text: &str) -> Vec<(usize, &str)> {
+    let mut found = Vec::new();
+    let mut before = ' ';
+    let mut at = 0;
+    while let Some(c) = text[at..].chars().next() {
+        if c.is_ascii_digit() && !before.is_alphanumeric() && before != '_' {
+            let rest = &text[at..];
+            let end = rest.find(|c: char| !c.is_ascii_digit());
+            let digits = &rest[..end.unwrap_or(rest.len())];
+            found.push((at, digits));
+            // Digits after a point belong to the number.
+            let fraction = rest[digits.len()..].strip_prefix('.');
+            let fraction = fraction.filter(|f| f.starts_with(|c: char| c.is_ascii_digit()));
+            let end = fraction.map_or(digits.len(), |f| {
+                let end = f.find(|c: char| !c.is_ascii_digit()).unwrap_or(f.len());
+                digits.len() + 1 + end
+            });
+            at += end;
+            before = '0';
+        } else {
+            at += c.len_utf8();
+            before = c;
+        }
+    }
+    found
+}
+
+/// Every number in the text of a line has a name for `--set`, but for dates and for the indices of
+/// arrays.
+#[test]
+fn every_number_of_a_line_can_be_set() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut count, mut missing) = (0, Vec::new());
+    for case in cases(folder.path()) {
+        let loaded = load(&case.path, Settings::default());
+        let name = case.path.display().to_string();
+        let line = loaded.library.lines.iter().find(|l| l.name == case.line);
+        let start = line.expect("the line").span.start as usize;
+        let text = std::fs::read_to_string(&case.path).expect("a text");
+        let text = without_remarks(&text);
+        let end = text[start..]
+            .find("\n}")
+            .map_or(text.len(), |end| start + end);
+        let sources = &loaded.library.sources;
+        let places: Vec<_> = case.numbers.iter().filter_map(|n| n.place).collect();
+        let is_here = |file| sources.file(file).name == name;
+        // Whole numbers have no place, so each stands for one that is as large.
+        let unplaced = case.numbers.iter().filter(|n| n.place.is_none());
+        let mut counts: Vec<&str> = unplaced.filter_map(|n| n.value.as_deref()).collect();
+        for (at, digits) in literals(&text[start..end]) {
+            count += 1;
+            let at = start + at;
+            let covers = |p: &linewright::source::Span| {
+                is_here(p.file) && (p.start as usize..p.end as usize).contains(&at)
+            };
+            if places.iter().any(covers) {
+                continue;
+            }
+            if let Some(index) = counts.iter().position(|value| *value == digits) {
+                counts.swap_remove(index);
+                continue;
+            }
+            let is_index = text[..at].ends_with('[') && text[at + digits.len()..].starts_with(']');
+            if !is_index {
+                let row = text[..at].matches('\n').count() + 1;
+                missing.push(format!("{name}:{row}: {digits}"));
+            }
+        }
+    }
+    assert!(count > 500, "{count}");
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+/// Numbers of routes, shifts and values take effect, and wrong ones are reported as in the file.
+#[test]
+fn routes_shifts_and_values_can_be_set() {
+    let session = session();
+    let text = "line L {
+    part P {
+        property rounds: 0..9 = 0
+        property bad: bool = false
+    }
+    source rack: P every 10 s
+    station test {
+        takes 4 s
+        defect on P probability 50 %: bad becomes true
+    }
+    buffer flaws capacity 5
+    station mend {
+        takes 4 s
+        sets rounds = min(rounds + 1, 9)
+        sets bad = false
+        shift 0 h to 8 h
+    }
+    sink box
+    sink bin rejects
+    route P: rack -> test
+    route P: test -> box when not bad
+    route P: test -> flaws, bin when rounds < 2
+    route P: test -> bin otherwise
+    route P: flaws -> mend, bin by probability 90 %
+    route P: mend -> test
+    shift 0 h to 8 h break 2 h to 3 h
+    shift 12 h to 20 h break 14 h to 15 h
+    limit 1 d
+}
+";
+    std::fs::write(session.path("l.lw"), text).expect("a file");
+    let settings = [
+        "test.P.when.2=rounds < 1",
+        "flaws.probability.mend=40 %",
+        "mend.sets.rounds=rounds + 2",
+        "test.defect.becomes=false",
+        "shift.2.to=16 h",
+        "shift.2.break.to=14.5 h",
+        "shift.1.break.1.from=1 h",
+        "mend.shift.from=1 h",
+        "P.rounds.max=7",
+    ];
+    let line = "run l.lw";
+    let plain = results(&shown(&session, line, &[]));
+    for setting in settings {
+        let set = shown(&session, line, &[setting]);
+        assert!(set.contains("\nexit code 0"), "{set}");
+        // The wider range changes no number, since fewer rounds than before are allowed.
+        assert_eq!(
+            results(&set) == plain,
+            setting.starts_with("P.rounds"),
+            "{set}"
+        );
+    }
+    let wrong = [
+        "test.when=rounds < 1",
+        "test.P.when.3=rounds < 1",
+        "test.P.when.2=rouns < 1",
+        "flaws.probability.mend=120 %",
+        "mend.sets.bad=3",
+        "shift.1.to=0 h",
+        "shift.2.to=25 h",
+        "shift.to=9 h",
+        "shift.1.break.to=9 h",
+        "mend.shift.to=9 m",
+    ];
+    insta::assert_snapshot!("set_wrong_routes", shown(&session, line, &wrong));
+}
+
 /// One number of this many is compared with an edited file.
 const EVERY: usize = 5;
 

@@ -351,10 +351,9 @@ impl Builder {
 
     fn hours(&mut self, pair: Pair<'_, Rule>) -> Hours {
         let mut c = Children::of(pair);
-        Hours {
-            from: self.expr(c.next()),
-            to: self.expr(c.next()),
-        }
+        let (from, to) = (self.expr(c.next()), self.expr(c.next()));
+        let span = from.span.to(to.span);
+        Hours { from, to, span }
     }
 
     /// Builds a duration: a value or a distribution.

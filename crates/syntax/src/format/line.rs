@@ -255,7 +255,7 @@ impl Printer<'_> {
     fn shift(&mut self, shift: &Shift) {
         self.put("shift ");
         self.hours(&shift.hours);
-        let mut last = shift.hours.span();
+        let mut last = shift.hours.span;
         if let Some(first) = shift.days.first() {
             self.option("on ", last, first.span());
             self.list(&shift.days, Days::span, |p, days| {
@@ -268,8 +268,8 @@ impl Printer<'_> {
             last = shift.days.last().map_or(last, Days::span);
         }
         if let Some(first) = shift.breaks.first() {
-            self.option("break ", last, first.span());
-            self.list(&shift.breaks, Hours::span, Self::hours);
+            self.option("break ", last, first.span);
+            self.list(&shift.breaks, |hours| hours.span, Self::hours);
         }
         self.put(if shift.finish_work {
             " finish work"

@@ -155,7 +155,7 @@ impl<'a> Builder<'a, '_> {
         let breaks: Vec<_> = shift
             .breaks
             .iter()
-            .map(|hours| (hours.span(), self.hours(hours, "break", "remove it")))
+            .map(|hours| (hours.span, self.hours(hours, "break", "remove it")))
             .collect();
         let (from, to) = hours?;
         if from == WorkCalendar::DAY_MICROSECONDS {
@@ -177,7 +177,7 @@ impl<'a> Builder<'a, '_> {
         if resolved.to - from < MIN_MICROSECONDS {
             self.e.findings.error_with(
                 codes::ARGUMENT,
-                shift.hours.span(),
+                shift.hours.span,
                 "a shift must last at least one second",
                 "write hours after midnight: `shift 6 h to 14 h`",
             );
@@ -218,7 +218,7 @@ impl<'a> Builder<'a, '_> {
         if resolved.working_microseconds() < MIN_MICROSECONDS {
             self.e.findings.error_with(
                 codes::ARGUMENT,
-                shift.hours.span(),
+                shift.hours.span,
                 "the breaks of this shift leave no time to work",
                 "shorten the breaks, or remove the shift",
             );
@@ -236,7 +236,7 @@ impl<'a> Builder<'a, '_> {
         if from == to {
             self.e.findings.error_with(
                 codes::ARGUMENT,
-                hours.span(),
+                hours.span,
                 format!("this {what} has no length"),
                 help,
             );

@@ -6,7 +6,9 @@
 //! a copy of the machine's declaration for that place.
 
 mod layouts;
+mod places;
 mod slots;
+mod wiring;
 
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
 use linewright_core::source::{FileId, SourceMap, Span};

@@ -88,6 +88,12 @@ fn has_name(value: &Expr) -> bool {
     found
 }
 
+/// Whether an expression contains a number.
+pub(super) fn has_number(value: &Expr) -> bool {
+    use ast::ExprKind::{Int, Quantity};
+    matches!(value.kind, Int(_) | Quantity(..)) || value.children().into_iter().any(has_number)
+}
+
 /// Whether an expression contains a number with a unit.
 fn has_unit(value: &Expr) -> bool {
     let children = value.children();
@@ -117,9 +123,9 @@ pub(super) fn count(value: &Value) -> u64 {
 }
 
 /// How a station or conveyor uses its machine.
-struct MachineUse<'u> {
+pub(super) struct MachineUse<'u> {
     /// Name of the station or conveyor.
-    owner: &'u str,
+    pub owner: &'u str,
     /// Whether it performs operations, so that times and powers have an effect.
     works: bool,
     /// Whether the machine's failures have an effect.
@@ -138,7 +144,7 @@ pub(super) struct Slots<'v> {
 
 impl Slots<'_> {
     /// Ends a tier of names.
-    fn end_tier(&mut self) {
+    pub(super) fn end_tier(&mut self) {
         self.given.append(&mut self.tier.drain(..).collect());
     }
 
@@ -209,6 +215,16 @@ impl Slots<'_> {
         machines: &BTreeMap<&str, &ast::Machine>,
         variants: &mut Variants,
     ) {
+        self.ways(line);
+        self.end_tier();
+        let shifts = line.items.iter_mut();
+        self.shifts(
+            "",
+            shifts.filter_map(|item| match item {
+                LineItem::Shift(shift) => Some(shift),
+                _ => None,
+            }),
+        );
         for item in &mut line.items {
             match item {
                 LineItem::Const(c) => self.expression([c.name.text.clone()], &mut c.value),
@@ -219,7 +235,9 @@ impl Slots<'_> {
                 } => {
                     self.counted(&name.text, bill);
                     for property in properties {
-                        self.declared(format!("{}.{}", name.text, property.name.text), property);
+                        let full = format!("{}.{}", name.text, property.name.text);
+                        self.bounds(&full, &mut property.domain);
+                        self.declared(full, property);
                     }
                 }
                 LineItem::Source {
@@ -399,22 +417,15 @@ impl Slots<'_> {
                 StationItem::Power(value) => self.expression([statement("power")], value),
                 StationItem::IdlePower(value) => self.expression([statement("idle_power")], value),
                 StationItem::Failures(mode) => self.failures(name, modes, mode),
-                StationItem::Defect {
-                    part,
-                    probability,
-                    property,
-                    ..
-                } => {
-                    let names = [
-                        statement("defect"),
-                        format!("{name}.defect.{}", property.text),
-                        format!("{name}.defect.{}.{}", part.text, property.text),
-                    ];
-                    self.expression(names, probability);
-                }
                 _ => {}
             }
         }
+        self.changes_of_parts(name, items);
+        let shifts = items.iter_mut().filter_map(|item| match item {
+            StationItem::Shift(shift) => Some(shift),
+            _ => None,
+        });
+        self.shifts(&statement(""), shifts);
         // Parameters that every call sets itself: the machine's default has no effect.
         let mut always: Option<BTreeSet<String>> = None;
         for item in items.iter() {
@@ -550,6 +561,7 @@ impl Slots<'_> {
         let mut own = (*shared).clone();
         self.statements(used, &mut own.items);
         self.actions(used, &mut own.items);
+        self.wiring(used, &mut own.items);
         self.absent_statements(used, &mut own.items);
         if own != **shared {
             variants.insert(machine.span, own);
