@@ -309,7 +309,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Format::Human | Format::Short => {
             let mut text = report::settings(&set) + &report::table(line, trace, several);
             if options.verbose {
-                text += &report::waits(trace);
+                text += &report::details(line, trace, several);
             }
             for of in &compared {
                 text += &report::what_if_table(&of.variant, &of.differences);

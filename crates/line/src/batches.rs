@@ -13,8 +13,10 @@
 //! # What a batch gives
 //!
 //! Means over time are those of the batch, and so are means over parts, such as lead times. Totals
-//! (products, rejected parts, energy) are multiplied by the number of batches. Maxima, makespan,
-//! violations, yields and OEE are of the whole run: they have no interval.
+//! (products, rejected and expired parts, energy) are multiplied by the number of batches. Maxima,
+//! makespan and violations are of the whole run: they have no interval. A wait of a station is
+//! charged to its cause when it ends, and so belongs to the batch in which it ends; a rejected part
+//! belongs to that in which it is rejected.
 //!
 //! Batches differ in what their means are taken over: in the number of parts, or in time if
 //! products end them. The mean over all batches is therefore weighted, by parts or time, and is the
@@ -23,10 +25,13 @@
 //! value `v` of a batch with weight `w` counts as `r + w (v - r) / w'`, where `r` is the weighted
 //! mean and `w'` the mean weight. Only percentiles are means of the batches, not those of the run.
 
-use super::metric::{Figures, JOULES_PER_KWH, measure, of_station};
+use super::estimates::{self, Estimated};
+use super::metric::{Figures, JOULES_PER_KWH, measure, oee_factor, of_lead_time, of_station};
 use super::replicate::Estimate;
 use super::requirement::{self, ReplicatedRequirement, Sample};
-use super::trace::{End, LeadTime, Shares, Trace, duration};
+use super::trace::{
+    End, LeadTime, Oee, Percentiles, Shares, StateJoules, Trace, WaitKind, Yields, duration,
+};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::calendar::WorkCalendar;
 use linewright_language::contract::line::Line;
@@ -37,11 +42,11 @@ pub const MIN_BATCHES: u32 = 8;
 /// Maximum number of batches.
 pub const MAX_BATCHES: u32 = 1000;
 
-/// The measures of a line for which batches give an interval. The requirements have others.
+/// The measures of a line by which batches are tested. The requirements have others.
 pub const ESTIMATED: [Measure; 5] = [
     Measure::Throughput,
     Measure::LeadTime,
-    Measure::LeadTimeP95,
+    Measure::LeadTimePercentile,
     Measure::Wip,
     Measure::Energy,
 ];
@@ -61,7 +66,11 @@ pub struct Batch {
     /// Number of end products.
     pub products: u64,
     pub(super) rejected: u64,
+    pub(super) yields: Yields,
     pub(super) lead_time: LeadTime,
+    pub(super) percentiles: Percentiles,
+    /// One entry for each type of end products, if there are several.
+    pub(super) by_type: Vec<ProductFigures>,
     /// Mean number of parts in the line.
     pub(super) wip: f64,
     pub(super) joules: f64,
@@ -69,10 +78,24 @@ pub struct Batch {
     pub(super) places: Vec<PlaceFigures>,
 }
 
+/// End products of one type in a batch.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ProductFigures {
+    pub part: usize,
+    pub products: u64,
+    pub lead_time: LeadTime,
+    pub percentiles: Percentiles,
+}
+
 /// The figures of a place in a batch.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum PlaceFigures {
-    Station(Shares),
+    Station(Box<StationFigures>),
+    Conveyor {
+        joules: f64,
+        /// Mean number of parts over time.
+        length: f64,
+    },
     Buffer {
         /// Number of parts that left.
         passed: u64,
@@ -82,6 +105,8 @@ pub(super) enum PlaceFigures {
         full: f64,
         /// Mean waiting time in seconds of the parts that left.
         wait: f64,
+        percentiles: Percentiles,
+        expired: u64,
     },
     Source {
         /// Number of parts that left.
@@ -92,35 +117,89 @@ pub(super) enum PlaceFigures {
     Other,
 }
 
+/// The figures of a station in a batch.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct StationFigures {
+    pub shares: Shares,
+    pub oee: Option<Oee>,
+    /// Planned time in seconds.
+    pub planned: f64,
+    /// Time in work in seconds.
+    pub busy: f64,
+    /// Number of parts whose work ended, or that a failure scrapped.
+    pub parts: u64,
+    pub joules: StateJoules,
+    /// Waits that ended.
+    pub causes: Vec<CauseTime>,
+}
+
+/// Seconds in which a station waited, by cause.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct CauseTime {
+    pub kind: WaitKind,
+    /// The place (node) for which it waited.
+    pub place: u32,
+    /// While blocked: the station at or behind that place.
+    pub station: Option<u32>,
+    pub seconds: f64,
+}
+
 impl Figures for Batch {
-    fn of_line(&self, measure: Measure) -> Option<f64> {
+    fn of_line(&self, metric: &Metric) -> Option<f64> {
         let of_products = |value: f64| (self.products > 0).then_some(value);
-        let per_hour =
-            |seconds: f64| (seconds > 0.0).then(|| self.products as f64 * 3600.0 / seconds);
         let kwh = self.joules / JOULES_PER_KWH;
-        let in_all = |value: f64| Some(value * self.count as f64);
-        match measure {
-            Measure::Throughput => per_hour(self.seconds),
-            Measure::ThroughputOnShift => per_hour(self.on_shift_seconds.unwrap_or(self.seconds)),
-            Measure::LeadTime => of_products(self.lead_time.mean),
-            Measure::LeadTimeMedian => of_products(self.lead_time.p50),
-            Measure::LeadTimeP95 => of_products(self.lead_time.p95),
+        match metric.measure {
+            Measure::Throughput => self.per_hour(self.products),
+            Measure::ThroughputOnShift => self.per_hour_on_shift(self.products),
             Measure::Wip => Some(self.wip),
             Measure::EnergyPerProduct => of_products(kwh / self.products as f64),
-            Measure::Energy => in_all(kwh),
-            Measure::Rejected => in_all(self.rejected as f64),
-            Measure::Products => in_all(self.products as f64),
-            _ => None,
+            Measure::Energy => self.in_all(kwh),
+            Measure::Rejected => self.in_all(self.rejected as f64),
+            Measure::FirstPassYield => self.yields.first_pass_yield(),
+            Measure::Scrap => self.yields.scrap_ratio(),
+            Measure::Products => self.in_all(self.products as f64),
+            _ if self.products == 0 => None,
+            _ => of_lead_time(metric, self.lead_time, &self.percentiles),
         }
     }
 
-    fn of_place(&self, measure: Measure, node: usize) -> Option<f64> {
-        match (measure, self.places.get(node)?) {
-            (_, PlaceFigures::Station(shares)) => Some(of_station(measure, *shares)),
-            (Measure::Length, PlaceFigures::Buffer { length, .. }) => Some(*length),
+    fn of_product(&self, metric: &Metric, product: usize) -> Option<f64> {
+        if self.by_type.is_empty() {
+            return self.of_line(metric);
+        }
+        let of = self.by_type.iter().find(|of| of.part == product)?;
+        match metric.measure {
+            Measure::Throughput => self.per_hour(of.products),
+            Measure::ThroughputOnShift => self.per_hour_on_shift(of.products),
+            Measure::Products => self.in_all(of.products as f64),
+            _ if of.products == 0 => None,
+            _ => of_lead_time(metric, of.lead_time, &of.percentiles),
+        }
+    }
+
+    fn of_place(&self, metric: &Metric, node: usize) -> Option<f64> {
+        match (metric.measure, self.places.get(node)?) {
+            (measure, PlaceFigures::Station(station)) => match oee_factor(measure) {
+                Some(factor) => station.oee.as_ref().map(factor),
+                None if measure == Measure::Energy => self.in_all(station.kwh()),
+                None => Some(of_station(measure, station.shares)),
+            },
+            (Measure::Energy, PlaceFigures::Conveyor { joules, .. }) => {
+                self.in_all(joules / JOULES_PER_KWH)
+            }
+            (
+                Measure::Length,
+                PlaceFigures::Buffer { length, .. } | PlaceFigures::Conveyor { length, .. },
+            ) => Some(*length),
             (Measure::Full, PlaceFigures::Buffer { full, .. }) => Some(*full),
             (Measure::Wait, PlaceFigures::Buffer { passed, wait, .. }) => {
                 (*passed > 0).then_some(*wait)
+            }
+            (Measure::WaitPercentile, PlaceFigures::Buffer { percentiles, .. }) => {
+                percentiles.get(metric.percentile)
+            }
+            (Measure::Expired, PlaceFigures::Buffer { expired, .. }) => {
+                self.in_all(*expired as f64)
             }
             (Measure::Lost, PlaceFigures::Source { passed, lost }) => {
                 (*passed > 0).then(|| *lost as f64 / *passed as f64)
@@ -130,43 +209,81 @@ impl Figures for Batch {
     }
 }
 
+impl StationFigures {
+    fn kwh(&self) -> f64 {
+        let joules = self.joules.by_state();
+        joules.iter().map(|(_, joules)| joules).sum::<f64>() / JOULES_PER_KWH
+    }
+}
+
 impl Batch {
+    fn per_hour(&self, products: u64) -> Option<f64> {
+        (self.seconds > 0.0).then(|| products as f64 * 3600.0 / self.seconds)
+    }
+
+    fn per_hour_on_shift(&self, products: u64) -> Option<f64> {
+        let seconds = self.on_shift_seconds.unwrap_or(self.seconds);
+        (seconds > 0.0).then(|| products as f64 * 3600.0 / seconds)
+    }
+
+    /// The total of the run, if all batches had this one.
+    #[expect(clippy::unnecessary_wraps, reason = "every figure may be missing")]
+    pub(super) fn in_all(&self, total: f64) -> Option<f64> {
+        Some(total * self.count as f64)
+    }
+
     /// Over how much a metric is a mean in the batch: seconds, or a number of parts. 1 for totals.
     fn weight(&self, metric: &Metric) -> f64 {
-        let passed = || {
+        let products = || {
+            let mut by_type = self.by_type.iter();
+            let of_type = by_type.find(|of| Some(of.part) == metric.product);
+            of_type.map_or(self.products, |of| of.products) as f64
+        };
+        let of_places = || {
             let places = metric.nodes.clone();
-            let parts = places.filter_map(|node| match self.places.get(node)? {
+            let weights = places.filter_map(|node| match self.places.get(node)? {
                 PlaceFigures::Buffer { passed, .. } | PlaceFigures::Source { passed, .. } => {
-                    Some(*passed)
+                    Some(*passed as f64)
                 }
+                PlaceFigures::Station(station) => Some(match metric.measure {
+                    Measure::Effectiveness => station.busy,
+                    Measure::Quality => station.parts as f64,
+                    _ => station.planned,
+                }),
                 _ => None,
             });
-            parts.sum::<u64>() as f64
+            weights.sum::<f64>()
         };
         match metric.measure {
             Measure::LeadTime
             | Measure::LeadTimeMedian
-            | Measure::LeadTimeP95
-            | Measure::EnergyPerProduct => self.products as f64,
+            | Measure::LeadTimePercentile
+            | Measure::EnergyPerProduct => products(),
             Measure::ThroughputOnShift => self.on_shift_seconds.unwrap_or(self.seconds),
-            Measure::Energy | Measure::Rejected | Measure::Products => 1.0,
-            Measure::Wait | Measure::Lost => passed(),
+            Measure::Energy | Measure::Rejected | Measure::Products | Measure::Expired => 1.0,
+            Measure::FirstPassYield | Measure::Scrap => {
+                (self.yields.finished + self.yields.scrapped) as f64
+            }
+            Measure::Wait
+            | Measure::WaitPercentile
+            | Measure::Lost
+            | Measure::Oee
+            | Measure::Availability
+            | Measure::Effectiveness
+            | Measure::Quality => of_places(),
             _ => self.seconds,
         }
     }
 }
 
 /// Whether a measure is of the whole run, so that batches have no values of it.
-fn is_of_run(measure: Measure) -> bool {
+pub(super) fn is_of_run(measure: Measure) -> bool {
     matches!(
         measure,
         Measure::Makespan
             | Measure::LeadTimeMax
             | Measure::WipMax
             | Measure::Violations
-            | Measure::FirstPassYield
-            | Measure::Scrap
-            | Measure::Oee
             | Measure::LengthMax
             | Measure::WaitMax
     )
@@ -191,6 +308,8 @@ pub struct Batches {
     pub seconds: Option<f64>,
     /// The measures of the line, in the order of [`ESTIMATED`].
     pub estimates: Vec<BatchEstimate>,
+    /// All measures of the line, its products and its places.
+    pub measures: Vec<Estimated>,
     /// The line's requirements, in line order. Their `runs` are batches; a requirement on a figure
     /// of the whole run has one.
     pub requirements: Vec<ReplicatedRequirement>,
@@ -240,9 +359,16 @@ pub fn critical_lag_1(count: usize) -> f64 {
 /// The values whose mean and deviation are those of the weighted mean of these values; without
 /// those that are missing.
 pub(super) fn weighted(metric: &Metric, trace: &Trace, values: &[Option<f64>]) -> Vec<f64> {
-    let batches = values.iter().zip(&trace.batches);
+    let batches = trace.batches.iter();
+    let weights: Vec<f64> = batches.map(|batch| batch.weight(metric)).collect();
+    weighted_by(&weights, values)
+}
+
+/// The same with these weights of the batches.
+fn weighted_by(weights: &[f64], values: &[Option<f64>]) -> Vec<f64> {
+    let batches = values.iter().zip(weights);
     let measured: Vec<(f64, f64)> = batches
-        .filter_map(|(value, batch)| Some(((*value)?, batch.weight(metric))))
+        .filter_map(|(value, weight)| Some(((*value)?, *weight)))
         .collect();
     let total: f64 = measured.iter().map(|(_, weight)| weight).sum();
     let plain: Vec<f64> = values.iter().copied().flatten().collect();
@@ -260,18 +386,35 @@ pub(super) fn weighted(metric: &Metric, trace: &Trace, values: &[Option<f64>]) -
 
 /// The mean of a metric over the batches of a run, and how they depend on each other. If some have
 /// no value, there is no interval.
-fn estimate(metric: &Metric, trace: &Trace) -> (Option<Estimate>, Option<f64>) {
+pub(super) fn estimate(metric: &Metric, trace: &Trace) -> (Option<Estimate>, Option<f64>) {
     let values = values(metric, trace);
     let measured = weighted(metric, trace, &values);
-    let mean = Estimate::of(&measured);
-    if measured.len() < values.len() {
+    mean_and_lag(&measured, values.len())
+}
+
+/// The same for a figure that is a mean over time, or a total.
+pub(super) fn estimate_over_time(
+    trace: &Trace,
+    is_total: bool,
+    value: impl Fn(&Batch) -> f64,
+) -> (Option<Estimate>, Option<f64>) {
+    let batches = || trace.batches.iter();
+    let values: Vec<Option<f64>> = batches().map(|batch| Some(value(batch))).collect();
+    let weight = |batch: &Batch| if is_total { 1.0 } else { batch.seconds };
+    let weights: Vec<f64> = batches().map(weight).collect();
+    mean_and_lag(&weighted_by(&weights, &values), values.len())
+}
+
+fn mean_and_lag(measured: &[f64], count: usize) -> (Option<Estimate>, Option<f64>) {
+    let mean = Estimate::of(measured);
+    if measured.len() < count {
         let mean = mean.map(|mean| Estimate {
             half_width: None,
             ..mean
         });
         return (mean, None);
     }
-    (mean, lag_1(&measured))
+    (mean, lag_1(measured))
 }
 
 impl Batches {
@@ -302,6 +445,7 @@ impl Batches {
             count: trace.batches.len(),
             seconds,
             estimates,
+            measures: estimates::of_batches(line, trace),
             requirements,
             lags_1,
             critical_lag_1: critical_lag_1(trace.batches.len()),

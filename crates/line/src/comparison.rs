@@ -16,7 +16,7 @@ pub const COMPARED: [Measure; 9] = [
     Measure::Throughput,
     Measure::ThroughputOnShift,
     Measure::LeadTime,
-    Measure::LeadTimeP95,
+    Measure::LeadTimePercentile,
     Measure::Wip,
     Measure::Makespan,
     Measure::Rejected,

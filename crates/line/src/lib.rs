@@ -63,6 +63,7 @@ mod bottleneck;
 pub mod calendar;
 pub mod calls;
 pub mod comparison;
+pub mod estimates;
 pub mod log;
 pub mod metric;
 pub mod monitor;

@@ -1,5 +1,6 @@
 //! Replications: the same line under several seeds, with confidence intervals.
 
+use super::estimates::{self, Estimated};
 use super::log::Observer;
 use super::metric;
 use super::plant::Plant;
@@ -28,6 +29,8 @@ pub struct Replications {
     pub wip: Option<Estimate>,
     /// Total energy in kWh.
     pub energy_kwh: Option<Estimate>,
+    /// All measures of the line, its products and its places; empty for a single run.
+    pub measures: Vec<Estimated>,
     /// The line's requirements over all runs, in line order.
     pub requirements: Vec<ReplicatedRequirement>,
     /// Problems in any of the runs, without duplicates. Each requirement that fails or is undecided
@@ -256,7 +259,12 @@ impl Plant {
                 break;
             }
             let seed = self.seed().wrapping_add(run);
-            traces.push(self.run_observed(seed, observer.take()));
+            let mut trace = self.run_observed(seed, observer.take());
+            if run > 0 {
+                // Many runs have to fit into memory.
+                trace.wip_over_time = None;
+            }
+            traces.push(trace);
             self.count_run();
             run += step;
         }
@@ -349,9 +357,10 @@ impl Replications {
             throughput_per_hour: estimate(Measure::Throughput),
             makespan: estimate(Measure::Makespan),
             lead_time: estimate(Measure::LeadTime),
-            lead_time_p95: estimate(Measure::LeadTimeP95),
+            lead_time_p95: estimate(Measure::LeadTimePercentile),
             wip: estimate(Measure::Wip),
             energy_kwh: estimate(Measure::Energy),
+            measures: estimates::of_runs(line, traces),
             requirements,
             findings,
         }

@@ -64,7 +64,7 @@ fn words(comparison: Comparison) -> &'static str {
 /// The measured value as the predicate of a sentence.
 fn is(metric: &Metric, value: Option<f64>) -> String {
     if let Some(value) = value {
-        return format!("is {}", thousandths(value));
+        return format!("is {}", readable(value));
     }
     let why = metric.measure.info().absent.unwrap_or("nothing was there");
     format!("was not measured, since {why}")
@@ -348,8 +348,8 @@ fn interval(result: &ReplicatedRequirement, sample: Sample<'_>) -> String {
     }
     format!(
         "95 % interval {} to {}, {counted}",
-        thousandths(value - half),
-        thousandths(value + half),
+        readable(value - half),
+        readable(value + half),
     )
 }
 
@@ -433,8 +433,16 @@ fn undecided(
         .giving_up(true)
 }
 
-fn thousandths(value: f64) -> f64 {
-    (value * 1000.0).round() / 1000.0
+/// Rounds to three decimal places, or to three significant digits if these are smaller.
+fn readable(value: f64) -> f64 {
+    let magnitude = value.abs().log10().floor();
+    let places = if magnitude < -2.0 && value != 0.0 {
+        (2.0 - magnitude).min(15.0) as i32
+    } else {
+        3
+    };
+    let scale = 10_f64.powi(places);
+    (value * scale).round() / scale
 }
 
 /// Where to begin: at the bottleneck if the metric depends on the pace of the line, at the largest
@@ -446,7 +454,7 @@ fn advice(metric: &Metric, line: &Line, trace: &Trace) -> String {
         | Measure::Makespan
         | Measure::LeadTime
         | Measure::LeadTimeMedian
-        | Measure::LeadTimeP95
+        | Measure::LeadTimePercentile
         | Measure::LeadTimeMax
         | Measure::Wip
         | Measure::WipMax

@@ -2,7 +2,7 @@
 
 pub(super) use super::log::Activity;
 use super::random::{Purpose, Stream};
-use super::trace::{LeadTime, Shares};
+use super::trace::{LeadTime, Oee, OverTime, Percentiles, Shares, StateJoules};
 
 /// Books time by activity.
 #[derive(Debug, Clone)]
@@ -83,6 +83,30 @@ impl Clock {
         rest
     }
 
+    /// Seconds without work, up to the last switch.
+    pub(super) fn outside_work(&self) -> f64 {
+        (self.total() - self.seconds(Activity::Busy)).max(0.0)
+    }
+
+    /// The energy of a station by state: `joules` in all, of which the idle power outside work is
+    /// divided. `visited` states whether any part ever reached the station.
+    pub(super) fn energy(&self, joules: f64, idle_watts: f64, visited: bool) -> StateJoules {
+        let idle = |activity| idle_watts * self.seconds(activity);
+        let mut energy = StateJoules {
+            busy: (joules - idle_watts * self.outside_work()).max(0.0),
+            starved: idle(Activity::Starved),
+            blocked: idle(Activity::Blocked),
+            failed: idle(Activity::Failed) + idle(Activity::FailedOffShift),
+            idle: idle(Activity::Idle),
+            setup: idle(Activity::Setup),
+        };
+        if !visited {
+            energy.idle += energy.starved;
+            energy.starved = 0.0;
+        }
+        energy
+    }
+
     /// Shares of the total booked time. `visited` states whether any part ever reached the station.
     /// If no time was booked, the idle share is 1.
     pub(super) fn shares(&self, visited: bool) -> Shares {
@@ -107,6 +131,43 @@ impl Clock {
             shares.starved = 0.0;
         }
         shares
+    }
+}
+
+/// What a station has made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Output {
+    /// Number of parts whose work ended.
+    pub processed: u64,
+    /// Number of parts that a failure scrapped during the work.
+    pub broken: u64,
+    /// Number of parts that were rejected because of the station, with those that are broken.
+    pub scrapped: u64,
+    /// Seconds of work that was lost because it began again after a failure.
+    pub lost_seconds: f64,
+}
+
+impl Output {
+    /// What was made after `earlier`, an earlier copy.
+    pub(super) fn after(self, earlier: Self) -> Self {
+        Self {
+            processed: self.processed - earlier.processed,
+            broken: self.broken - earlier.broken,
+            scrapped: self.scrapped - earlier.scrapped,
+            lost_seconds: self.lost_seconds - earlier.lost_seconds,
+        }
+    }
+
+    /// Overall equipment effectiveness in the time of the clock; `None` without planned time,
+    /// without work, or if no work ended. Planned time times quantity is the time in work without
+    /// the work that was lost, which also holds for a part that is in work at the start or the end.
+    pub(super) fn oee(&self, clock: &Clock) -> Option<Oee> {
+        let (busy, planned) = (clock.seconds(Activity::Busy), clock.planned());
+        (busy > 0.0 && planned > 0.0 && self.processed > 0).then(|| Oee {
+            availability: (busy / planned).min(1.0),
+            effectiveness: (1.0 - self.lost_seconds / busy).max(0.0),
+            quality: (1.0 - self.scrapped as f64 / (self.processed + self.broken) as f64).max(0.0),
+        })
     }
 }
 
@@ -225,6 +286,126 @@ impl Level {
     }
 }
 
+/// Maximum number of bins of a [`Profile`].
+const MAX_BINS: usize = 300;
+
+/// Widths of its bins in seconds. Each is a multiple of the one before, so that bins can be united.
+const WIDTHS: [f64; 28] = [
+    1e-6,
+    5e-6,
+    1e-5,
+    5e-5,
+    1e-4,
+    5e-4,
+    1e-3,
+    5e-3,
+    0.01,
+    0.05,
+    0.1,
+    0.5,
+    1.0,
+    5.0,
+    10.0,
+    30.0,
+    60.0,
+    300.0,
+    600.0,
+    1800.0,
+    3600.0,
+    14_400.0,
+    43_200.0,
+    86_400.0,
+    432_000.0,
+    864_000.0,
+    4_320_000.0,
+    8_640_000.0,
+];
+
+/// A [`Level`] over time: its integral up to the end of each of equal bins. How long a run will
+/// last is not known; when the bins do not suffice, neighbors are united. Between the ends of bins,
+/// a change of the level costs a comparison.
+#[derive(Debug, Clone)]
+pub(super) struct Profile {
+    /// Index into [`WIDTHS`].
+    width: usize,
+    /// End of the bin that is open, in seconds.
+    end: f64,
+    /// By closed bin: the integral up to its end.
+    areas: Vec<f64>,
+    /// The integral up to the time from which on the level counts.
+    before: f64,
+}
+
+impl Default for Profile {
+    fn default() -> Self {
+        Self {
+            width: 0,
+            end: WIDTHS[0],
+            areas: Vec::new(),
+            before: 0.0,
+        }
+    }
+}
+
+impl Profile {
+    /// Closes the bins that have ended at `now`. The level has not changed since they have.
+    #[inline]
+    pub(super) fn advance(&mut self, now: f64, level: &Level) {
+        if now >= self.end {
+            self.close(now, level);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn close(&mut self, now: f64, level: &Level) {
+        while now > WIDTHS[self.width] * MAX_BINS as f64 && self.width + 1 < WIDTHS.len() {
+            let (narrow, wide) = (WIDTHS[self.width], WIDTHS[self.width + 1]);
+            let each = (wide / narrow).round() as usize;
+            self.width += 1;
+            let ends = self.areas.iter().skip(each - 1).step_by(each);
+            self.areas = ends.copied().collect();
+            self.end = self.end_of_next();
+        }
+        while now >= self.end {
+            let ahead = f64::from(level.now) * (self.end - level.since);
+            self.areas.push(self.before + level.area + ahead);
+            self.end = self.end_of_next();
+        }
+    }
+
+    fn end_of_next(&self) -> f64 {
+        (self.areas.len() + 1) as f64 * WIDTHS[self.width]
+    }
+
+    /// The level forgets its past at `now`.
+    pub(super) fn forget(&mut self, now: f64, level: &Level) {
+        self.advance(now, level);
+        self.before += level.at(now).area;
+    }
+
+    /// The mean of the level in each bin up to `now`. The last bin may be shorter.
+    pub(super) fn over_time(mut self, now: f64, level: &Level) -> OverTime {
+        self.advance(now, level);
+        let width = WIDTHS[self.width];
+        let mut start = 0.0;
+        let mut means: Vec<f64> = Vec::with_capacity(self.areas.len() + 1);
+        for area in &self.areas {
+            means.push(((area - start) / width).max(0.0));
+            start = *area;
+        }
+        let rest = now - self.areas.len() as f64 * width;
+        if rest > 0.0 {
+            let area = self.before + level.at(now).area;
+            means.push(((area - start) / rest).max(0.0));
+        }
+        OverTime {
+            bin_seconds: width,
+            means,
+        }
+    }
+}
+
 /// Number, sum and maximum of waiting times.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Waits {
@@ -262,14 +443,14 @@ impl Waits {
     }
 }
 
-/// Maximum number of lead times stored for the percentiles. If there are more, each is equally
+/// Maximum number of times stored for the percentiles. If there are more, each is equally
 /// likely to be stored.
 const SAMPLE: usize = 1 << 17;
 
-/// Lead times: mean and maximum of all, percentiles of a bounded sample (Vitter's reservoir,
-/// algorithm R).
+/// Lead or waiting times: mean and maximum of all, percentiles of a bounded sample (Vitter's
+/// reservoir, algorithm R).
 #[derive(Debug)]
-pub(super) struct LeadTimes {
+pub(super) struct Times {
     count: u64,
     sum: f64,
     max: f64,
@@ -277,7 +458,7 @@ pub(super) struct LeadTimes {
     stream: Stream,
 }
 
-impl LeadTimes {
+impl Times {
     pub(super) fn new(seed: u64) -> Self {
         Self {
             count: 0,
@@ -299,12 +480,12 @@ impl LeadTimes {
         }
     }
 
-    /// Number of lead times.
+    /// Number of times.
     pub(super) fn count(&self) -> u64 {
         self.count
     }
 
-    pub(super) fn summary(mut self) -> LeadTime {
+    pub(super) fn summary(&mut self) -> LeadTime {
         if self.count == 0 {
             return LeadTime::default();
         }
@@ -314,6 +495,19 @@ impl LeadTimes {
             p95: nearest_rank(&mut self.sample, 0.95),
             max: self.max,
         }
+    }
+
+    /// The percentiles with these numbers; none without times.
+    pub(super) fn percentiles(&mut self, numbers: &[u8]) -> Percentiles {
+        if self.count == 0 {
+            return Percentiles::default();
+        }
+        let numbers = numbers.iter();
+        let percentiles = numbers.map(|number| {
+            let share = f64::from(*number) / 100.0;
+            (*number, nearest_rank(&mut self.sample, share))
+        });
+        Percentiles(percentiles.collect())
     }
 }
 
@@ -360,7 +554,7 @@ mod tests {
 
     #[test]
     fn percentiles_are_nearest_ranks() {
-        let mut times = LeadTimes::new(1);
+        let mut times = Times::new(1);
         for x in (1..=20).rev() {
             times.add(f64::from(x));
         }
@@ -369,11 +563,17 @@ mod tests {
             (summary.mean, summary.p50, summary.p95, summary.max),
             (10.5, 10.0, 19.0, 20.0)
         );
+        let percentiles = times.percentiles(&[1, 90, 99]);
+        let of = |number| percentiles.get(number);
+        assert_eq!(
+            (of(1), of(90), of(99), of(98)),
+            (Some(1.0), Some(18.0), Some(20.0), None)
+        );
     }
 
     #[test]
     fn a_large_sample_stays_representative() {
-        let mut times = LeadTimes::new(1);
+        let mut times = Times::new(1);
         for x in 0..1_000_000_u32 {
             times.add(f64::from(x));
         }
@@ -381,6 +581,34 @@ mod tests {
         let summary = times.summary();
         assert!((summary.p50 / 500_000.0 - 1.0).abs() < 0.01);
         assert!((summary.p95 / 950_000.0 - 1.0).abs() < 0.01);
+    }
+
+    /// A level that is 1 in every second quarter of an hour, for two days, with a warm-up of a day.
+    #[test]
+    fn a_profile_has_the_means_of_its_bins() {
+        let (mut level, mut profile) = (Level::new(u32::MAX), Profile::default());
+        for quarter in 0..192_u32 {
+            let now = 900.0 * f64::from(quarter);
+            profile.advance(now, &level);
+            if quarter == 96 {
+                profile.forget(now, &level);
+                level.forget(now);
+            }
+            if quarter % 2 == 0 {
+                level.increase(now);
+            } else {
+                level.decrease(now);
+            }
+        }
+        let end = 192.0 * 900.0 + 450.0;
+        let over_time = profile.over_time(end, &level);
+        assert_eq!(over_time.bin_seconds, 600.0);
+        assert_eq!(over_time.means.len(), 289);
+        let third = [1.0, 0.5, 0.0];
+        for (bin, mean) in over_time.means.iter().enumerate() {
+            let wanted = if bin == 288 { 0.0 } else { third[bin % 3] };
+            assert!((mean - wanted).abs() < 1e-9, "{bin}: {mean}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::batches::Batch;
 use super::bottleneck::Bottleneck;
 use super::requirement::Verdict;
 use linewright_core::diagnostics::Diagnostic;
+use linewright_language::contract::metric::Measure;
 use linewright_station::ErrorCode;
 
 /// The result of one run of a line.
@@ -37,10 +38,15 @@ pub struct Trace {
     pub throughput_on_shift: Option<f64>,
     /// Number of parts in the line.
     pub wip: WorkInProgress,
+    /// The same over time, from the start of the warm-up on; `None` for all replications but the
+    /// first.
+    pub wip_over_time: Option<OverTime>,
     /// Counts of mobile units of all types.
     pub parts: PartCounts,
     /// Time from the entry of a product's first part to the completion of the product.
     pub lead_time: LeadTime,
+    /// Percentiles of the same that the requirements speak of.
+    pub lead_time_percentiles: Percentiles,
     /// One entry for each type of end products, if there are several; empty otherwise.
     pub by_type: Vec<ProductStatistics>,
     /// Energy of all stations and conveyors in joules.
@@ -138,6 +144,15 @@ pub struct WorkInProgress {
     pub max: u64,
 }
 
+/// A number over time: its mean in each of equal bins, at most some hundreds, from time 0 on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OverTime {
+    /// Width of a bin in seconds. The last one may be cut off by the end of the run.
+    pub bin_seconds: f64,
+    /// Mean in each bin.
+    pub means: Vec<f64>,
+}
+
 /// Seconds from the entry of a product's first part to the completion of the product. All 0 without
 /// products.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -152,8 +167,20 @@ pub struct LeadTime {
     pub max: f64,
 }
 
+/// Percentiles of times, in seconds, each with its number.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Percentiles(pub(crate) Vec<(u8, f64)>);
+
+impl Percentiles {
+    /// The percentile with this number, if it is known.
+    pub fn get(&self, number: u8) -> Option<f64> {
+        let known = self.0.iter().find(|(known, _)| *known == number);
+        known.map(|(_, seconds)| *seconds)
+    }
+}
+
 /// End products of one type.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProductStatistics {
     /// Part type.
     pub part: usize,
@@ -163,6 +190,8 @@ pub struct ProductStatistics {
     pub throughput_per_hour: f64,
     /// Time from the entry of a product's first part to the completion of the product.
     pub lead_time: LeadTime,
+    /// Percentiles of the same that the requirements speak of.
+    pub lead_time_percentiles: Percentiles,
 }
 
 /// Shares of a station's time, each from 0 to 1; their sum is 1.
@@ -186,6 +215,37 @@ impl Shares {
     /// The share in which the station itself was the constraint: busy, setup and failed.
     pub fn engaged(&self) -> f64 {
         self.busy + self.setup + self.failed
+    }
+}
+
+/// Energy of a station in joules, by the state in which it was used.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StateJoules {
+    /// In work on a part.
+    pub busy: f64,
+    /// Idle power while no part came.
+    pub starved: f64,
+    /// Idle power while the next place had no room.
+    pub blocked: f64,
+    /// Idle power while the station was broken down or under repair.
+    pub failed: f64,
+    /// Idle power off shift. At a station that no part ever reached, also while it waited.
+    pub idle: f64,
+    /// Idle power in setup for another part type.
+    pub setup: f64,
+}
+
+impl StateJoules {
+    /// The energy by state, with the state's metric, the names of which are those of the states.
+    pub fn by_state(&self) -> [(Measure, f64); 6] {
+        [
+            (Measure::Busy, self.busy),
+            (Measure::Starved, self.starved),
+            (Measure::Blocked, self.blocked),
+            (Measure::Failed, self.failed),
+            (Measure::Idle, self.idle),
+            (Measure::Setup, self.setup),
+        ]
     }
 }
 
@@ -221,6 +281,8 @@ pub struct StationStatistics {
     pub busy_seconds: f64,
     /// Energy in joules: services, plus idle power outside them.
     pub joules: f64,
+    /// The same by state.
+    pub joules_by_state: StateJoules,
     /// Mean time of the work on a part, without failures; `None` if no service ended.
     pub work_time: Option<WorkTime>,
     /// Overall equipment effectiveness; `None` without planned time, without work, or if no service
@@ -254,7 +316,7 @@ pub struct Wait {
 }
 
 /// How a station waits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum WaitKind {
     /// For room.
     Blocked,
@@ -314,6 +376,12 @@ pub struct ConveyorStatistics {
     pub moving_seconds: f64,
     /// Energy in joules.
     pub joules: f64,
+    /// The part of `joules` that was used while nothing moved.
+    pub standing_joules: f64,
+    /// Number of parts on the conveyor: its mean over time.
+    pub length: f64,
+    /// Maximum number of parts on the conveyor.
+    pub longest: u64,
 }
 
 /// Statistics of a buffer.
@@ -335,6 +403,8 @@ pub struct BufferStatistics {
     pub wait: f64,
     /// Maximum waiting time of the parts that left, in seconds.
     pub longest_wait: f64,
+    /// Percentiles of the waiting time that the requirements speak of.
+    pub wait_percentiles: Percentiles,
     /// Number of parts that expired; they count as rejected, not as passed.
     pub expired: u64,
 }
@@ -373,6 +443,15 @@ impl Yields {
             finished: of(|yields| yields.finished),
             first_pass: of(|yields| yields.first_pass),
             scrapped: of(|yields| yields.scrapped),
+        }
+    }
+
+    /// What was counted after `earlier`.
+    pub(crate) fn after(self, earlier: Self) -> Self {
+        Self {
+            finished: self.finished - earlier.finished,
+            first_pass: self.first_pass - earlier.first_pass,
+            scrapped: self.scrapped - earlier.scrapped,
         }
     }
 

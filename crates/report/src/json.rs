@@ -5,10 +5,12 @@
 
 use super::Intervals;
 use linewright_language::contract::line::Line;
-use linewright_language::contract::metric::Measure;
+use linewright_language::contract::metric::{Measure, MeasureUnit};
+use linewright_line::estimates::{Estimated, Subject};
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{
-    LeadTime, Oee, Shares, SourceStatistics, StationStatistics, WaitKind, WorkTime,
+    LeadTime, Oee, OverTime, Shares, SourceStatistics, StateJoules, StationStatistics, WaitKind,
+    WorkTime,
 };
 use linewright_line::{
     Batches, Bottleneck, Estimate, ReplicatedRequirement, Replications, Trace, Verdict,
@@ -47,6 +49,7 @@ pub fn json(
                 "setup": shares.setup,
                 "busy_seconds": round(station.busy_seconds, 6),
                 "energy_kwh": kwh(station.joules),
+                "energy_by_state_kwh": energy_by_state(&station.joules_by_state),
                 "work": station.work_time.map(|work| work_time(work, station.machine.is_some())),
                 "oee": station.oee.as_ref().map(oee),
                 "scrapped": station.scrapped,
@@ -63,8 +66,14 @@ pub fn json(
                 "name": conveyor.name,
                 "machine": conveyor.machine,
                 "carried": conveyor.carried,
+                "mean_length": round(conveyor.length, 6),
+                "max_length": conveyor.longest,
                 "moving_seconds": round(conveyor.moving_seconds, 6),
                 "energy_kwh": kwh(conveyor.joules),
+                "energy_by_state_kwh": {
+                    "moving": kwh((conveyor.joules - conveyor.standing_joules).max(0.0)),
+                    "standing": kwh(conveyor.standing_joules),
+                },
             })
         })
         .collect();
@@ -169,9 +178,12 @@ pub fn json(
         "wip": {
             "mean": round(trace.wip.mean, 6),
             "max": trace.wip.max,
+            "over_time": trace.wip_over_time.as_ref().map(over_time),
         },
         "lead_time": lead_time(trace.lead_time),
         "energy_kwh": kwh(trace.joules),
+        "energy_per_product_kwh": (trace.products > 0)
+            .then(|| round(trace.joules / JOULES_PER_KWH / trace.products as f64, 12)),
         "bottleneck": trace.bottleneck.station().map(|station| station.name.as_str()),
         "limited_by": limited_by(&trace.bottleneck),
         "sources": trace.sources.iter().map(source).collect::<Vec<_>>(),
@@ -204,10 +216,10 @@ pub fn json(
         }
         match intervals {
             Some(Intervals::Replications(replications)) => {
-                fields.insert("replications".to_owned(), replicated(replications));
+                fields.insert("replications".to_owned(), replicated(line, replications));
             }
             Some(Intervals::Batches(batches)) => {
-                fields.insert("batches".to_owned(), batch_means(batches));
+                fields.insert("batches".to_owned(), batch_means(line, batches));
             }
             None => {}
         }
@@ -267,18 +279,19 @@ fn batch_requirement(r: &ReplicatedRequirement, lag_1: Option<f64>) -> Value {
     })
 }
 
-fn batch_means(batches: &Batches) -> Value {
+fn batch_means(line: &Line, batches: &Batches) -> Value {
     let mut document = json!({
         "count": batches.count,
         "seconds": batches.seconds.map(|seconds| round(seconds, 6)),
         "confidence": 0.95,
         "critical_lag_1": round(batches.critical_lag_1, 6),
+        "measures": measures(line, &batches.measures),
     });
     for e in &batches.estimates {
         let (name, places) = match e.measure {
             Measure::Throughput => ("throughput_per_hour", 6),
             Measure::LeadTime => ("lead_time_seconds", 6),
-            Measure::LeadTimeP95 => ("lead_time_p95_seconds", 6),
+            Measure::LeadTimePercentile => ("lead_time_p95_seconds", 6),
             Measure::Energy => ("energy_kwh", 9),
             _ => (e.measure.info().name, 6),
         };
@@ -359,7 +372,7 @@ fn source(source: &SourceStatistics) -> Value {
     })
 }
 
-fn replicated(replications: &Replications) -> Value {
+fn replicated(line: &Line, replications: &Replications) -> Value {
     json!({
         "count": replications.seeds.len(),
         "seeds": replications.seeds,
@@ -370,6 +383,71 @@ fn replicated(replications: &Replications) -> Value {
         "lead_time_p95_seconds": estimate(replications.lead_time_p95, 6),
         "wip": estimate(replications.wip, 6),
         "energy_kwh": estimate(replications.energy_kwh, 9),
+        "measures": measures(line, &replications.measures),
+    })
+}
+
+/// The estimates of all measures, one row each. The names are those of the requirements.
+fn measures(line: &Line, measures: &[Estimated]) -> Value {
+    let node_name = |node: usize| line.nodes.get(node).map(|node| node.name.as_str());
+    let rows = measures.iter().map(|of| {
+        let unit = of.subject.measure().info().unit;
+        let places = match unit {
+            MeasureUnit::KilowattHours => 12,
+            _ => 9,
+        };
+        let mut row = json!({
+            "name": of.subject.measure().info().name,
+            "part": null,
+            "place": null,
+            "cause": null,
+            "state": null,
+            "unit": match unit {
+                MeasureUnit::PerHour => "per_hour",
+                MeasureUnit::Seconds => "seconds",
+                MeasureUnit::KilowattHours => "kwh",
+                MeasureUnit::Number => "number",
+                MeasureUnit::Share => "share",
+            },
+            "mean": of.value.map(|value| round(value.mean, places)),
+            "low": of.value.and_then(|value| bound(value, -1.0, places)),
+            "high": of.value.and_then(|value| bound(value, 1.0, places)),
+            "lag_1": of.lag_1.map(|lag_1| round(lag_1, 6)),
+        });
+        match &of.subject {
+            Subject::Metric(metric) => {
+                row["name"] = json!(metric.name());
+                let part = metric.product.and_then(|part| line.parts.get(part));
+                row["part"] = json!(part.map(|part| part.name.as_str()));
+                if !metric.nodes.is_empty() {
+                    row["place"] = json!(line.names_of(&metric.nodes));
+                }
+            }
+            Subject::Wait(cause) => {
+                row["place"] = json!(node_name(cause.node));
+                row["cause"] = json!({ "place": cause.place, "station": cause.station });
+            }
+            Subject::Energy { node, state } => {
+                row["place"] = json!(node_name(*node));
+                row["state"] = json!(state.info().name);
+            }
+        }
+        row
+    });
+    rows.collect()
+}
+
+fn energy_by_state(joules: &StateJoules) -> Value {
+    let states = joules.by_state().into_iter();
+    let states = states.map(|(state, joules)| (state.info().name.to_owned(), json!(kwh(joules))));
+    Value::Object(states.collect())
+}
+
+fn over_time(of: &OverTime) -> Value {
+    let means = of.means.iter().map(|mean| round(*mean, 6));
+    json!({
+        "bin_seconds": of.bin_seconds,
+        "means": means.collect::<Vec<_>>(),
     })
 }
 

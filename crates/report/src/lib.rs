@@ -7,13 +7,14 @@
 
 use linewright_line::{Batches, Replications};
 
+mod energy;
 pub mod html;
 mod json;
 mod table;
 mod what_if;
 
 pub use json::{RUN_SCHEMA, json};
-pub use table::{settings, table, waits};
+pub use table::{details, settings, table};
 pub use what_if::{Variant, what_if_json, what_if_table};
 
 /// What the confidence intervals of a report come from.

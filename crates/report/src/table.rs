@@ -1,8 +1,10 @@
 //! A run as text for a terminal that is 100 columns wide.
 
 use super::Intervals;
+use super::energy::{EnergyUnit, energy};
 use linewright_language::contract::line::{Comparison, Line};
-use linewright_language::contract::metric::Measure;
+use linewright_language::contract::metric::{Measure, MeasureUnit};
+use linewright_line::estimates::{Estimated, Subject};
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
 use linewright_line::{
@@ -118,10 +120,13 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
         ),
     );
     row("bottleneck", bottleneck(&trace.bottleneck));
-    row(
-        "energy",
-        format!("{:.3} kWh", trace.joules / JOULES_PER_KWH),
-    );
+    let per_product = if trace.products > 0 && trace.joules > 0.0 {
+        let each = energy(trace.joules / trace.products as f64);
+        format!("; {each} a product")
+    } else {
+        String::new()
+    };
+    row("energy", energy(trace.joules) + &per_product);
     let parts = trace.parts;
     row(
         "parts",
@@ -246,6 +251,7 @@ fn products(out: &mut String, line: &Line, trace: &Trace) {
 }
 
 fn stations(out: &mut String, trace: &Trace) {
+    let unit = unit_of(trace.stations.iter().map(|station| station.joules));
     let rows = trace.stations.iter().map(|station| {
         let s = &station.shares;
         let shares = [s.busy, s.starved, s.blocked, s.failed, s.idle, s.setup];
@@ -257,7 +263,7 @@ fn stations(out: &mut String, trace: &Trace) {
                 .unwrap_or_else(|| "not controlled".to_owned()),
             station.processed.to_string(),
             duration(station.busy_seconds),
-            kwh(station.joules),
+            in_unit(station.joules, unit),
         ]
         .into_iter()
         .chain(shares.map(|share| format!("{:.1} %", share * 100.0)))
@@ -266,8 +272,17 @@ fn stations(out: &mut String, trace: &Trace) {
     columns(
         out,
         &[
-            "station", "machine", "parts", "time", "kWh", "busy", "starved", "blocked", "failed",
-            "idle", "setup",
+            "station",
+            "machine",
+            "parts",
+            "time",
+            unit.symbol(),
+            "busy",
+            "starved",
+            "blocked",
+            "failed",
+            "idle",
+            "setup",
         ],
         &rows.collect::<Vec<_>>(),
     );
@@ -310,10 +325,68 @@ fn equipment(out: &mut String, trace: &Trace) {
     );
 }
 
-/// Returns what each station waited for, for the end of the table of a run; empty if no station
-/// waited for 0.05 % of its time. Ends with a line break.
-pub fn waits(trace: &Trace) -> String {
+/// Returns what the table of a run leaves out, for its end: what each station waited for, its
+/// energy by state, and all estimates. Ends with a line break, unless it is empty.
+pub fn details(line: &Line, trace: &Trace, intervals: Option<Intervals<'_>>) -> String {
     let mut out = String::new();
+    waits(&mut out, trace);
+    energy_by_state(&mut out, trace);
+    match intervals {
+        Some(Intervals::Replications(replications)) => {
+            measures(&mut out, line, &replications.measures, false);
+        }
+        Some(Intervals::Batches(batches)) => measures(&mut out, line, &batches.measures, true),
+        None => {}
+    }
+    out
+}
+
+/// Writes the estimates of all measures that are not 0 throughout.
+fn measures(out: &mut String, line: &Line, measures: &[Estimated], are_batches: bool) {
+    let is_shown = |of: &&Estimated| {
+        let value = of.value;
+        value.is_some_and(|value| value.mean != 0.0 || value.half_width.is_some_and(|h| h > 0.0))
+    };
+    let rows = measures.iter().filter(is_shown).map(|of| {
+        let measure = of.subject.measure();
+        let (label, places) = match measure.info().unit {
+            MeasureUnit::Share => (of.subject.label(line), 4),
+            _ => (of.subject.label(line), 3),
+        };
+        let mut row = energy_row(measure, label, of.value, places);
+        if are_batches {
+            row.push(measured(of.lag_1, 2));
+        }
+        row
+    });
+    let heads = ["all measures, 95 %", "mean", "from", "to", "lag 1"];
+    let heads = if are_batches { &heads[..] } else { &heads[..4] };
+    columns(out, heads, &rows.collect::<Vec<_>>());
+}
+
+/// Writes the energy of each station by state, if there is any.
+fn energy_by_state(out: &mut String, trace: &Trace) {
+    let stations = || trace.stations.iter().filter(|station| station.joules > 0.0);
+    let unit = unit_of(stations().map(|station| station.joules));
+    let rows = stations().map(|station| {
+        let states = station.joules_by_state.by_state();
+        let states = states.map(|(_, joules)| in_unit(joules, unit));
+        std::iter::once(station.name.clone())
+            .chain(states)
+            .collect()
+    });
+    let title = format!("{} by state", unit.symbol());
+    columns(
+        out,
+        &[
+            &title, "busy", "starved", "blocked", "failed", "idle", "setup",
+        ],
+        &rows.collect::<Vec<_>>(),
+    );
+}
+
+/// Writes what each station waited for; nothing if no station waited for 0.05 % of its time.
+fn waits(out: &mut String, trace: &Trace) {
     let shown = |share: f64| {
         if share < 0.0005 {
             "-".to_owned()
@@ -344,26 +417,36 @@ pub fn waits(trace: &Trace) -> String {
         })
     });
     columns(
-        &mut out,
+        out,
         &["station", "waits", "for", "share", "failed", "off shift"],
         &rows.collect::<Vec<_>>(),
     );
-    out
 }
 
 fn conveyors(out: &mut String, trace: &Trace) {
+    let unit = unit_of(trace.conveyors.iter().map(|conveyor| conveyor.joules));
     let rows = trace.conveyors.iter().map(|conveyor| {
         vec![
             conveyor.name.clone(),
             conveyor.machine.clone().unwrap_or_else(|| "-".to_owned()),
             conveyor.carried.to_string(),
+            format!("{:.2}", conveyor.length),
+            conveyor.longest.to_string(),
             duration(conveyor.moving_seconds),
-            kwh(conveyor.joules),
+            in_unit(conveyor.joules, unit),
         ]
     });
     columns(
         out,
-        &["conveyor", "machine", "parts", "moving", "kWh"],
+        &[
+            "conveyor",
+            "machine",
+            "parts",
+            "mean length",
+            "maximum",
+            "moving",
+            unit.symbol(),
+        ],
         &rows.collect::<Vec<_>>(),
     );
 }
@@ -399,16 +482,17 @@ fn buffers(out: &mut String, trace: &Trace) {
 }
 
 fn machines(out: &mut String, trace: &Trace) {
+    let unit = unit_of(trace.machines.iter().map(|machine| machine.joules));
     let rows = trace.machines.iter().map(|machine| {
         vec![
             machine.name.clone(),
             duration(machine.busy_seconds),
-            kwh(machine.joules),
+            in_unit(machine.joules, unit),
         ]
     });
     columns(
         out,
-        &["by machine", "time", "kWh"],
+        &["by machine", "time", unit.symbol()],
         &rows.collect::<Vec<_>>(),
     );
 }
@@ -423,7 +507,7 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
                 result.name.clone(),
                 result.verdict().word().to_owned(),
                 required(line, index),
-                measured(result.value, 3),
+                result.value.map_or("-".to_owned(), small),
             ]
         });
     columns(
@@ -437,7 +521,7 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
 /// confidence interval, and the value in the worst of them.
 fn requirements_of_all(out: &mut String, line: &Line, requirements: &[ReplicatedRequirement]) {
     let rows = requirements.iter().enumerate().map(|(index, result)| {
-        let [mean, low, high] = interval(result.value, 3);
+        let [mean, low, high] = ends(result.value).map(|end| end.map_or("-".to_owned(), small));
         vec![
             result.name.clone(),
             result.verdict.word().to_owned(),
@@ -445,7 +529,7 @@ fn requirements_of_all(out: &mut String, line: &Line, requirements: &[Replicated
             mean,
             low,
             high,
-            measured(result.worst_value, 3),
+            result.worst_value.map_or("-".to_owned(), small),
         ]
     });
     columns(
@@ -485,11 +569,12 @@ pub(super) fn required_with(line: &Line, index: usize, number: impl Fn(f64) -> S
 }
 
 /// Measures of a table of estimates, and their decimal places.
-fn estimated(measure: Measure) -> (&'static str, usize) {
+pub(super) fn estimated(measure: Measure) -> (&'static str, usize) {
     match measure {
         Measure::Throughput => ("throughput an hour", 3),
         Measure::LeadTime => ("mean lead time in s", 3),
-        Measure::LeadTimeP95 => ("95th percentile in s", 3),
+        Measure::LeadTimeMedian => ("median in s", 3),
+        Measure::LeadTimePercentile => ("95th percentile in s", 3),
         Measure::Wip => ("mean WIP", 3),
         Measure::Makespan => ("makespan in seconds", 1),
         Measure::Energy => ("energy in kWh", 4),
@@ -499,37 +584,113 @@ fn estimated(measure: Measure) -> (&'static str, usize) {
 
 fn estimate_row(measure: Measure, estimate: Option<Estimate>) -> Vec<String> {
     let (label, places) = estimated(measure);
+    energy_row(measure, label.to_owned(), estimate, places)
+}
+
+/// A row with a mean and its interval, an energy in a unit that shows it.
+fn energy_row(
+    measure: Measure,
+    label: String,
+    estimate: Option<Estimate>,
+    places: usize,
+) -> Vec<String> {
+    let (label, scale) = match estimate {
+        Some(estimate) => shown_in(measure, label, estimate.mean),
+        None => (label, 1.0),
+    };
+    let estimate = estimate.map(|estimate| Estimate {
+        mean: estimate.mean * scale,
+        half_width: estimate.half_width.map(|half| half * scale),
+    });
     let [mean, low, high] = interval(estimate, places);
-    vec![label.to_owned(), mean, low, high]
+    vec![label, mean, low, high]
+}
+
+/// The label of a measure with the unit in which this value is shown, and how many of that unit are
+/// one of the measure's own.
+pub(super) fn shown_in(measure: Measure, label: String, value: f64) -> (String, f64) {
+    if measure.info().unit != MeasureUnit::KilowattHours {
+        return (label, 1.0);
+    }
+    let unit = EnergyUnit::of(value * JOULES_PER_KWH);
+    let label = label.replace("in kWh", &format!("in {}", unit.symbol()));
+    (label, JOULES_PER_KWH / unit.joules())
+}
+
+/// The rows of a table of estimates, in the order of the measures; the makespan is the last of the
+/// times.
+fn in_order(mut rows: Vec<(Measure, Vec<String>)>) -> Vec<Vec<String>> {
+    let place = |measure: Measure| match measure {
+        Measure::Makespan => Measure::WipMax as usize,
+        _ => measure as usize,
+    };
+    rows.sort_by_key(|(measure, _)| place(*measure));
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+/// Further rows of a table of estimates: those that are not 0 throughout.
+fn further_rows(measures: &[Estimated]) -> impl Iterator<Item = &Estimated> {
+    let wanted = [
+        Measure::ThroughputOnShift,
+        Measure::LeadTimeMedian,
+        Measure::EnergyPerProduct,
+        Measure::FirstPassYield,
+        Measure::Scrap,
+        Measure::Rejected,
+    ];
+    let of_line = measures.iter().filter(|of| match &of.subject {
+        Subject::Metric(metric) => metric.nodes.is_empty() && metric.product.is_none(),
+        Subject::Wait(_) | Subject::Energy { .. } => false,
+    });
+    of_line.filter(move |of| {
+        let measure = of.subject.measure();
+        let rejects = |measure| {
+            let mut rejected = measures.iter().filter(|of| of.subject.measure() == measure);
+            rejected.any(|of| of.value.is_some_and(|value| value.mean > 0.0))
+        };
+        let is_used = match measure {
+            Measure::FirstPassYield => rejects(Measure::Scrap) || rejects(Measure::Rejected),
+            _ => of.value.is_some_and(|value| value.mean > 0.0),
+        };
+        wanted.contains(&measure) && is_used
+    })
 }
 
 /// Writes the means of the batches with their intervals and lag-1 autocorrelations.
 fn batch_means(out: &mut String, batches: &Batches) {
-    let rows = batches.estimates.iter().map(|e| {
-        let mut row = estimate_row(e.measure, e.value);
-        row.push(measured(e.lag_1, 2));
+    let row = |measure, value, lag_1| {
+        let mut row = estimate_row(measure, value);
+        row.push(measured(lag_1, 2));
         row
+    };
+    let first = batches.estimates.iter();
+    let first = first.map(|e| (e.measure, row(e.measure, e.value, e.lag_1)));
+    let further = further_rows(&batches.measures).map(|of| {
+        let measure = of.subject.measure();
+        (measure, row(measure, of.value, of.lag_1))
     });
+    let rows = in_order(first.chain(further).collect());
     let each = batches.seconds.map_or(String::new(), |seconds| {
         format!(" of {}", duration(seconds))
     });
     let title = format!("{} batches{each}, 95 %", batches.count);
-    columns(
-        out,
-        &[&title, "mean", "from", "to", "lag 1"],
-        &rows.collect::<Vec<_>>(),
-    );
+    columns(out, &[&title, "mean", "from", "to", "lag 1"], &rows);
 }
 
 fn replicated(out: &mut String, replications: &Replications) {
-    let rows = vec![
-        estimate_row(Measure::Throughput, replications.throughput_per_hour),
-        estimate_row(Measure::LeadTime, replications.lead_time),
-        estimate_row(Measure::LeadTimeP95, replications.lead_time_p95),
-        estimate_row(Measure::Wip, replications.wip),
-        estimate_row(Measure::Makespan, replications.makespan),
-        estimate_row(Measure::Energy, replications.energy_kwh),
+    let first = [
+        (Measure::Throughput, replications.throughput_per_hour),
+        (Measure::LeadTime, replications.lead_time),
+        (Measure::LeadTimePercentile, replications.lead_time_p95),
+        (Measure::Wip, replications.wip),
+        (Measure::Makespan, replications.makespan),
+        (Measure::Energy, replications.energy_kwh),
     ];
+    let further = further_rows(&replications.measures);
+    let further = further.map(|of| (of.subject.measure(), of.value));
+    let rows = first.into_iter().chain(further);
+    let rows = rows.map(|(measure, value)| (measure, estimate_row(measure, value)));
+    let rows = in_order(rows.collect());
     let title = match replications.seeds[..] {
         [first, .., last] => format!("seeds {first} to {last}, 95 %"),
         _ => "1 seed, 95 %".to_owned(),
@@ -539,9 +700,25 @@ fn replicated(out: &mut String, replications: &Replications) {
 
 /// Returns a mean and the ends of its confidence interval; `-` for each that does not exist.
 pub(super) fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
+    ends(estimate).map(|value| measured(value, places))
+}
+
+/// A mean and the ends of its confidence interval.
+fn ends(estimate: Option<Estimate>) -> [Option<f64>; 3] {
     let half = estimate.and_then(|e| e.half_width);
     let bound = |sign: f64| Some(estimate?.mean + sign * half?);
-    [estimate.map(|e| e.mean), bound(-1.0), bound(1.0)].map(|value| measured(value, places))
+    [estimate.map(|e| e.mean), bound(-1.0), bound(1.0)]
+}
+
+/// Formats a number with three decimal places, or with three significant digits if these would not
+/// show it.
+fn small(value: f64) -> String {
+    let magnitude = value.abs().log10().floor();
+    if value == 0.0 || magnitude >= -2.0 {
+        return format!("{value:.3}");
+    }
+    let places = (2.0 - magnitude).min(15.0) as usize;
+    format!("{value:.places$}")
 }
 
 /// Formats a number, or `-` if nothing was measured.
@@ -554,8 +731,13 @@ fn percent(share: Option<f64>) -> String {
     share.map_or("-".to_owned(), |share| format!("{:.1} %", share * 100.0))
 }
 
-fn kwh(joules: f64) -> String {
-    format!("{:.3}", joules / JOULES_PER_KWH)
+/// The unit of a column of energies: that of the greatest.
+fn unit_of(joules: impl Iterator<Item = f64>) -> EnergyUnit {
+    EnergyUnit::of(joules.fold(0.0, f64::max))
+}
+
+fn in_unit(joules: f64, unit: EnergyUnit) -> String {
+    format!("{:.3}", joules / unit.joules())
 }
 
 /// Names what limits the throughput, with the evidence.

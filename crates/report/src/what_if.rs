@@ -1,8 +1,9 @@
 //! A line and a variant of it, as text and as a part of the JSON document of a run.
 
 use super::json::{estimate, round};
-use super::table::{columns, interval};
+use super::table::{columns, interval, shown_in};
 use linewright_language::contract::metric::Measure;
+use linewright_line::Estimate;
 use linewright_line::comparison::Comparison;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -81,16 +82,23 @@ fn is_unused_energy(comparison: &Comparison) -> bool {
 }
 
 fn row(comparison: &Comparison) -> Vec<String> {
-    let [difference, from, to] = interval(Some(comparison.difference), 3);
+    let label = comparison.measure.info().label.to_owned();
+    let greatest = comparison.as_it_is.max(comparison.what_if);
+    let (label, scale) = shown_in(comparison.measure, label, greatest);
+    let difference = Estimate {
+        mean: comparison.difference.mean * scale,
+        half_width: comparison.difference.half_width.map(|half| half * scale),
+    };
+    let [difference, from, to] = interval(Some(difference), 3);
     let significant = match comparison.is_significant() {
         Some(true) => "yes",
         Some(false) => "no",
         None => "-",
     };
     vec![
-        comparison.measure.info().label.to_owned(),
-        format!("{:.3}", comparison.as_it_is),
-        format!("{:.3}", comparison.what_if),
+        label,
+        format!("{:.3}", comparison.as_it_is * scale),
+        format!("{:.3}", comparison.what_if * scale),
         difference,
         from,
         to,

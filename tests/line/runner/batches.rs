@@ -1,10 +1,12 @@
 //! Batches of a run: their sums, their intervals, and the test of their correlation.
 
 use crate::models::plant_of;
+use linewright::contract::metric::Measure;
 use linewright::diagnostics::{Severity, codes};
 use linewright::line::batches::{Batches, critical_lag_1, lag_1};
+use linewright::line::estimates::{Estimated, Subject};
 use linewright::line::metric::measure;
-use linewright::line::trace::Trace;
+use linewright::line::trace::{Trace, WaitKind};
 use linewright::line::{End, Options, Verdict};
 
 /// Everything that has figures: a queue, a join, a conveyor, failures, setup, overflow and rejects.
@@ -49,6 +51,18 @@ const ALL: &str = "line L {
     requirement q6: full(tray) <= 1
     requirement q7: wait(tray) <= 1 h
     requirement q8: lost(a) <= 1
+    requirement r1: availability(press) <= 1
+    requirement r2: effectiveness(press) <= 1
+    requirement r3: quality(check) <= 1
+    requirement r4: first_pass_yield <= 1
+    requirement r5: scrap <= 1
+    requirement r6: energy(press) <= 100 kWh
+    requirement r7: energy(belt) <= 100 kWh
+    requirement r8: length(belt) <= 4
+    requirement r9: throughput(A) >= 1 per hour
+    requirement s1: products(B) >= 1
+    requirement s2: lead_time(A) <= 1 h
+    requirement s3: expired(tray) <= 0
 }";
 
 fn run(text: &str, options: Options) -> (Trace, Batches) {
@@ -104,6 +118,62 @@ fn batches_add_up_to_the_run() {
             assert_eq!(result.runs, batches.count, "{}", requirement.name);
         }
     }
+}
+
+/// Every measure has an interval, over batches and over replications. The shares of the causes add
+/// up to the blocked and starved time, and the energy by state to all energy.
+#[test]
+fn all_measures_have_intervals() {
+    let options = until(40_000.0, 1000.0, 13);
+    let (trace, batches) = run(ALL, options);
+    let runs = Options {
+        batches: None,
+        ..options
+    };
+    let mut plant = plant_of(ALL, runs);
+    let (traces, replications) = plant.replicate(5);
+    assert!(traces[0].wip_over_time.is_some());
+    assert!(
+        traces[1..]
+            .iter()
+            .all(|trace| trace.wip_over_time.is_none())
+    );
+    for (measures, is_exact) in [(&batches.measures, true), (&replications.measures, false)] {
+        let value = |wanted: &dyn Fn(&Subject) -> bool| {
+            let found = measures.iter().filter(|of| wanted(&of.subject));
+            found.map(|of| of.value.expect("a value").mean).sum::<f64>()
+        };
+        for of in measures {
+            let estimate = of.value.expect("a value");
+            assert!(estimate.half_width.is_some(), "{of:?}");
+        }
+        let node = trace.stations[0].node;
+        for (kind, measure) in [
+            (WaitKind::Blocked, Measure::Blocked),
+            (WaitKind::Starved, Measure::Starved),
+        ] {
+            let whole = value(&|of| *of == Subject::Metric(measure.at(node..node + 1)));
+            let causes = value(
+                &|of| matches!(of, Subject::Wait(cause) if cause.node == node && cause.kind == kind),
+            );
+            assert!((whole - causes).abs() < 1e-9, "{whole} {causes}");
+        }
+        let whole = value(&|of| *of == Subject::Metric(Measure::Energy.at(node..node + 1)));
+        let states = value(&|of| matches!(of, Subject::Energy { node: of, .. } if *of == node));
+        assert!((whole - states).abs() < 1e-9 * whole, "{whole} {states}");
+        if is_exact {
+            let kwh = trace.stations[0].joules / 3.6e6;
+            assert!((whole - kwh).abs() < 1e-9 * kwh, "{whole} {kwh}");
+        }
+    }
+    let names = |measures: &[Estimated]| -> Vec<Measure> {
+        let measures = measures.iter();
+        measures.map(|of| of.subject.measure()).collect()
+    };
+    let (of_batches, of_runs) = (names(&batches.measures), names(&replications.measures));
+    assert!(of_batches.contains(&Measure::Oee) && of_batches.contains(&Measure::Wait));
+    assert!(of_runs.contains(&Measure::WaitMax) && of_runs.contains(&Measure::LeadTimeMedian));
+    assert!(!of_batches.contains(&Measure::WipMax));
 }
 
 /// Apart from the batches, a run with them is the same as one without.

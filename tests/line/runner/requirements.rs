@@ -1,6 +1,7 @@
 //! Requirements: what they speak of, and how several runs are judged.
 
 use crate::models::plant_of;
+use linewright::line::trace::Oee;
 use linewright::line::{Options, Replications, Trace, Verdict};
 use linewright::report;
 
@@ -104,11 +105,14 @@ fn requirements_speak_of_all_measures() {
         part P
         source rack: P every exponential(10 s)
         buffer queue capacity 3
+        buffer rest capacity 9 shelf life 20 s
+        conveyor belt places 4 power 100 W
         station cell times 2 { takes exponential(15 s) power 1 kW failures mtbf 5 min mttr 10 s }
+        station last { takes exponential(6 s) }
         sink out
         sink floor rejects
         route P: rack -> queue, floor
-        route P: queue -> cell -> out
+        route P: queue -> cell -> belt -> rest -> last -> out
         requirement a: throughput_on_shift >= 0 per hour
         requirement b: lead_time_median >= 0 s
         requirement c: lead_time_p95 >= 0 s
@@ -131,6 +135,18 @@ fn requirements_speak_of_all_measures() {
         requirement t: first_pass_yield >= 0 %
         requirement u: scrap >= 0 %
         requirement v: oee(cell) >= 0 %
+        requirement w: availability(cell) >= 0 %
+        requirement x: effectiveness(cell) >= 0 %
+        requirement y: quality(cell) >= 0 %
+        requirement z: expired(rest) >= 0
+        requirement aa: energy(cell) >= 0 kWh
+        requirement ab: energy(belt) >= 0 kWh
+        requirement ac: length(belt) >= 0
+        requirement ad: length_max(belt) >= 0
+        requirement ae: throughput(P) >= 0 per hour
+        requirement af: lead_time(P) >= 0 s
+        requirement ag: products(P) >= 0
+        requirement ah: lead_time_p50 >= 0 s
     }";
     let mut plant = plant_of(
         text,
@@ -147,8 +163,14 @@ fn requirements_speak_of_all_measures() {
         .collect();
     let (queue, source) = (&trace.buffers[0], &trace.sources[0]);
     let share = |of: fn(&linewright::line::trace::Shares) -> f64| {
-        trace.stations.iter().map(|s| of(&s.shares)).sum::<f64>() / 2.0
+        let cells = trace.stations.iter().take(2);
+        cells.map(|s| of(&s.shares)).sum::<f64>() / 2.0
     };
+    let factor = |of: fn(&Oee) -> f64| {
+        let cells = trace.stations.iter().take(2);
+        cells.map(|s| of(s.oee.as_ref().unwrap())).sum::<f64>() / 2.0
+    };
+    let belt = &trace.conveyors[0];
     let expected = [
         trace.throughput_per_hour,
         trace.lead_time.p50,
@@ -174,9 +196,22 @@ fn requirements_speak_of_all_measures() {
         trace
             .stations
             .iter()
+            .take(2)
             .map(|s| s.oee.as_ref().unwrap().index())
             .sum::<f64>()
             / 2.0,
+        factor(|oee| oee.availability),
+        factor(|oee| oee.effectiveness),
+        factor(|oee| oee.quality),
+        trace.buffers[1].expired as f64,
+        (trace.stations[0].joules + trace.stations[1].joules) / 2.0 / 3.6e6,
+        belt.joules / 3.6e6,
+        belt.length,
+        belt.longest as f64,
+        trace.throughput_per_hour,
+        trace.lead_time.mean,
+        trace.products as f64,
+        trace.lead_time.p50,
     ];
     for (index, (value, expected)) in values.iter().zip(expected).enumerate() {
         assert!(
@@ -184,15 +219,74 @@ fn requirements_speak_of_all_measures() {
             "{index}: {value} {expected}"
         );
     }
-    assert!(values[9] > 0.0 && values[18] > 0.0);
+    assert!(values[9] > 0.0 && values[18] > 0.0 && values[25] > 0.0 && values[28] > 0.0);
     let table = report::table(plant.line(), &trace, None);
     for row in [
         "mean wait in s in queue >= 0",
         "starved share of cell[1] to cell[2] >= 0",
         "energy per product in kWh >= 0",
         "95th percentile of lead time in s >= 0",
+        "50th percentile of lead time in s >= 0",
+        "energy in kWh of belt >= 0",
+        "mean lead time in s of type P >= 0",
     ] {
         assert!(table.contains(row), "{row}\n{table}");
+    }
+}
+
+/// Of two products with known lead times and a known wait, everything can be required of one.
+#[test]
+fn requirements_speak_of_one_product_and_of_any_percentile() {
+    // An A comes every 10 s and needs 4 s. A B comes with every second A, goes first, and needs
+    // 2 s.
+    let text = "line L {
+        part A
+        part B
+        source a: A every 10 s
+        source b: B every 20 s
+        buffer queue capacity 3
+        station cell { takes 4 s an A takes 2 s a B power 90 W idle power 9 W }
+        sink out
+        product A, B
+        route A: a -> queue -> cell -> out
+        route B: b -> queue -> cell -> out
+        requirement a: throughput(A) = 360 per hour
+        requirement b: throughput_on_shift(B) = 180 per hour
+        requirement c: products(B) = 500
+        requirement d: lead_time(A) = 5 s
+        requirement e: lead_time_p99(B) = 2 s
+        requirement f: lead_time_p90 = 6 s
+        requirement g: wait_p60(queue) = 0 s
+        requirement h: wait_p70(queue) = 2 s
+        requirement i: lead_time_max(A) = 6 s
+        requirement j: lead_time_median(B) = 2 s
+    }";
+    let mut plant = plant_of(
+        text,
+        Options {
+            until: Some(10_008.0),
+            warm_up: 8.0,
+            ..Options::default()
+        },
+    );
+    let trace = plant.run();
+    let unmet: Vec<_> = trace.requirements.iter().filter(|r| !r.holds).collect();
+    assert!(unmet.is_empty(), "{unmet:?}");
+    // 4 s of 10 s, and 2 s of 20 s.
+    let joules = trace.stations[0].joules_by_state;
+    assert!(
+        (joules.busy - 10_000.0 * 0.5 * 90.0).abs() < 1e-3,
+        "{joules:?}"
+    );
+    assert!((joules.starved - 10_000.0 * 0.5 * 9.0).abs() < 1e-3);
+    let all: f64 = joules.by_state().iter().map(|(_, joules)| joules).sum();
+    assert!((all - trace.stations[0].joules).abs() < 1e-6);
+    // A bin has three of the periods of 20 s.
+    let over_time = trace.wip_over_time.expect("WIP over time");
+    assert_eq!(over_time.bin_seconds, 60.0);
+    assert_eq!(over_time.means.len(), 167);
+    for mean in &over_time.means[1..166] {
+        assert!((mean - trace.wip.mean).abs() < 1e-9, "{mean}");
     }
 }
 

@@ -349,3 +349,63 @@ fn variants_in_words() {
         "{text}"
     );
 }
+
+/// The interval of every measure is in the document, and with `-v` in the table.
+#[test]
+fn every_measure_has_an_interval() {
+    let session = session();
+    let station = "takes 0.8 s power 10 W idle power 1 W";
+    let text = M_D_1.replace("takes 0.8 s", station);
+    std::fs::write(session.path("energy.lw"), text).expect("a file");
+    for (way, extra) in [("--replications 4", 0), ("--batches 10 --warm-up 100", 1)] {
+        let line = format!("run energy.lw --until 2100 {way}");
+        let json = session.run(&format!("{line} --format json"));
+        let document: Value = serde_json::from_str(&json.out).expect("JSON");
+        let part = ["replications", "batches"][extra];
+        let measures = document[part]["measures"].as_array().expect("measures");
+        let row = |name: &str, place: Value, state: Value, has_cause: bool| {
+            let found = measures.iter().find(|row| {
+                (row["name"] == name && row["place"] == place && row["state"] == state)
+                    && row["cause"].is_object() == has_cause
+            });
+            let found = found.unwrap_or_else(|| panic!("no {name} of {place} in {measures:?}"));
+            let value = |key: &str| found[key].as_f64().unwrap_or_else(|| panic!("{found}"));
+            assert!(value("low") <= value("mean") && value("mean") <= value("high"));
+            value("mean")
+        };
+        row("throughput", Value::Null, Value::Null, false);
+        row("lead_time_median", Value::Null, Value::Null, false);
+        row("wait", "queue".into(), Value::Null, false);
+        row("oee", "cell".into(), Value::Null, false);
+        let starved = row("starved", "cell".into(), Value::Null, false);
+        let by_rack = row("starved", "cell".into(), Value::Null, true);
+        assert!((starved - by_rack).abs() < 1e-6, "{starved} {by_rack}");
+        let all = row("energy", "cell".into(), Value::Null, false);
+        let busy = row("energy", "cell".into(), "busy".into(), false);
+        let idle = row("energy", "cell".into(), "starved".into(), false);
+        assert!((all - busy - idle).abs() < 1e-9, "{all} {busy} {idle}");
+
+        let table = session.run(&format!("{line} -v"));
+        for text in [
+            "Wh by state",
+            "all measures, 95 %",
+            "starved share of cell, by rack",
+            "energy in Wh of cell, busy",
+            "energy per product in J",
+        ] {
+            assert!(table.out.contains(text), "{text}: {}", table.out);
+        }
+    }
+    let json = session.run("run energy.lw --until 2100 --format json");
+    let document: Value = serde_json::from_str(&json.out).expect("JSON");
+    let (all, products) = (&document["energy_kwh"], &document["products"]);
+    let each = all.as_f64().unwrap_or(0.0) / products.as_f64().unwrap_or(1.0);
+    let shown = document["energy_per_product_kwh"].as_f64().expect("energy");
+    assert!(
+        (shown - each).abs() < 1e-11 && shown > 1e-6,
+        "{shown} {each}"
+    );
+    let over_time = &document["wip"]["over_time"];
+    assert_eq!(over_time["bin_seconds"], 10.0);
+    assert_eq!(over_time["means"].as_array().map(Vec::len), Some(210));
+}

@@ -335,10 +335,20 @@ impl Line {
     }
 
     fn with_places(&self, words: &str, metric: &Metric) -> String {
-        match metric.measure.info().place {
-            Some(_) => format!("{words} {}", self.names_of(&metric.nodes)),
-            None => words.to_owned(),
+        let words = metric.words(words);
+        if let Some(product) = metric.product {
+            let name = self.parts.get(product).map_or("?", |part| &part.name);
+            return format!("{words} of type {name}");
         }
+        if metric.nodes.is_empty() {
+            return words;
+        }
+        let of = if metric.measure.info().of_line {
+            " of"
+        } else {
+            ""
+        };
+        format!("{words}{of} {}", self.names_of(&metric.nodes))
     }
 
     /// Returns the name of a place, or of several that follow one another: `capper[1] to

@@ -7,9 +7,10 @@
 
 use super::part::PartIndex;
 use super::{BATCH, Event, Place, Run};
-use crate::batches::{Batch, PlaceFigures};
-use crate::statistics::{Clock, LeadTimes, Level, Waits};
-use crate::trace::{End, LeadTime};
+use crate::batches::{Batch, CauseTime, PlaceFigures, ProductFigures, StationFigures};
+use crate::metric::percentiles_of_lead_time;
+use crate::statistics::{Activity, Clock, Level, Output, Times, Waits};
+use crate::trace::{End, LeadTime, Percentiles, Yields};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, NodeKind};
 
@@ -23,7 +24,9 @@ pub(super) struct Cuts {
     /// At the beginning of the first batch, and at the end of each.
     readings: Vec<Reading>,
     /// Lead times of the products of this batch.
-    lead_times: LeadTimes,
+    lead_times: Times,
+    /// The same by type, if there are several.
+    by_type: Vec<(usize, Times)>,
     /// Whether the end of this batch is scheduled.
     is_due: bool,
 }
@@ -34,22 +37,59 @@ struct Reading {
     time: f64,
     products: u64,
     rejected: u64,
+    yields: Yields,
     /// Of the products of the batch that ends here.
     lead_time: LeadTime,
+    percentiles: Percentiles,
+    by_type: Vec<ProductFigures>,
     units: Level,
     accounts: Vec<Account>,
 }
 
 /// What has been counted at a node.
 enum Account {
-    /// Time by activity, and energy in joules.
-    Station(Clock, f64),
-    /// Energy in joules.
-    Conveyor(f64),
-    Buffer(Level, Waits),
+    Station(Box<StationAccount>),
+    /// Energy in joules, and the number of parts.
+    Conveyor(f64, Level),
+    /// With the percentiles of the waiting time in the batch that ends here, and the number of
+    /// parts that have expired.
+    Buffer(Level, Waits, Percentiles, u64),
     /// Number of parts that have left, and of those that were lost.
     Source(u64, u64),
     Nothing,
+}
+
+/// What has been counted at a station.
+struct StationAccount {
+    clock: Clock,
+    joules: f64,
+    output: Output,
+    causes: Vec<CauseTime>,
+}
+
+impl StationAccount {
+    /// What was counted after `earlier`.
+    fn after(&self, earlier: &Self, idle_watts: f64, visited: bool) -> StationFigures {
+        let clock = self.clock.after(&earlier.clock);
+        let output = self.output.after(earlier.output);
+        let causes = self.causes.iter().filter_map(|cause| {
+            let is_same = |of: &&CauseTime| {
+                (of.kind, of.place, of.station) == (cause.kind, cause.place, cause.station)
+            };
+            let before = earlier.causes.iter().find(is_same);
+            let seconds = cause.seconds - before.map_or(0.0, |before| before.seconds);
+            (seconds > 0.0).then_some(CauseTime { seconds, ..*cause })
+        });
+        StationFigures {
+            shares: clock.shares(visited),
+            oee: output.oee(&clock),
+            planned: clock.planned(),
+            busy: clock.seconds(Activity::Busy),
+            parts: output.processed + output.broken,
+            joules: clock.energy(self.joules - earlier.joules, idle_watts, visited),
+            causes: causes.collect(),
+        }
+    }
 }
 
 /// Why a run cannot be cut into this many batches.
@@ -91,7 +131,8 @@ impl Run<'_> {
         self.cuts = Some(Cuts {
             count,
             readings: Vec::new(),
-            lead_times: LeadTimes::new(self.seed),
+            lead_times: Times::new(self.seed),
+            by_type: self.no_times_by_type(),
             is_due: false,
         });
         self.end_batch();
@@ -102,8 +143,9 @@ impl Run<'_> {
         let Some(mut cuts) = self.cuts.take() else {
             return;
         };
-        let lead_times = std::mem::replace(&mut cuts.lead_times, LeadTimes::new(self.seed));
-        cuts.readings.push(self.reading(lead_times.summary()));
+        let mut lead_times = std::mem::replace(&mut cuts.lead_times, Times::new(self.seed));
+        let by_type = std::mem::replace(&mut cuts.by_type, self.no_times_by_type());
+        cuts.readings.push(self.reading(&mut lead_times, by_type));
         cuts.is_due = false;
         self.cuts = Some(cuts);
         if let Some(time) = self.next_cut() {
@@ -112,10 +154,24 @@ impl Run<'_> {
         self.cut_after_products();
     }
 
+    /// By type, if there are several types of end products: no lead times.
+    fn no_times_by_type(&self) -> Vec<(usize, Times)> {
+        let by_type = self.counters.by_type.iter();
+        by_type
+            .map(|(part, _)| (*part, Times::new(self.seed)))
+            .collect()
+    }
+
     /// Counts an end product in its batch.
     pub(super) fn count_in_batch(&mut self, part: PartIndex) {
         if let Some(cuts) = &mut self.cuts {
-            cuts.lead_times.add(self.now - self.parts[part].entered_at);
+            let part = &self.parts[part];
+            let seconds = self.now - part.entered_at;
+            cuts.lead_times.add(seconds);
+            let mut by_type = cuts.by_type.iter_mut();
+            if let Some((_, times)) = by_type.find(|(kind, _)| *kind == part.kind) {
+                times.add(seconds);
+            }
             self.cut_after_products();
         }
     }
@@ -143,19 +199,25 @@ impl Run<'_> {
         }
     }
 
-    /// Reads all accounts.
-    fn reading(&self, lead_time: LeadTime) -> Reading {
+    /// Reads all accounts, at the end of a batch with these lead times.
+    fn reading(&mut self, lead_times: &mut Times, by_type: Vec<(usize, Times)>) -> Reading {
         let now = self.now;
+        let line = self.line;
         let counted = now - self.counting_start();
-        let places = self.nodes.iter().map(|node| &node.place);
-        let nodes = self.line.nodes.iter().zip(places);
+        let places = self.nodes.iter_mut().map(|node| &mut node.place);
+        let nodes = line.nodes.iter().zip(places);
         let accounts = nodes.map(|(node, place)| match (&node.kind, place) {
             (NodeKind::Station(declared), Place::Station(station)) => {
-                let joules = station.joules(now, declared.idle_watts);
-                Account::Station(station.clock.at(now), joules)
+                Account::Station(Box::new(StationAccount {
+                    clock: station.clock.at(now),
+                    joules: station.joules(now, declared.idle_watts),
+                    output: station.output(),
+                    causes: station.waits.charged(),
+                }))
             }
             (NodeKind::Conveyor { watts, .. }, Place::Conveyor(conveyor)) => {
-                Account::Conveyor(conveyor.moving_seconds(now) * watts)
+                let joules = conveyor.moving_seconds(now) * watts;
+                Account::Conveyor(joules, conveyor.level.at(now))
             }
             (
                 NodeKind::Conveyor {
@@ -165,23 +227,43 @@ impl Run<'_> {
                 },
                 Place::Belt(belt),
             ) => {
-                let (_, joules) = belt.moved(counted, *watts, declared.machine.idle_watts);
-                Account::Conveyor(joules)
+                let (_, joules, _) = belt.moved(counted, *watts, declared.machine.idle_watts);
+                Account::Conveyor(joules, belt.level.at(now))
             }
-            (_, Place::Buffer(buffer)) => Account::Buffer(buffer.level.at(now), buffer.waits),
+            (_, Place::Buffer(buffer)) => {
+                let percentiles = buffer.end_batch();
+                Account::Buffer(
+                    buffer.level.at(now),
+                    buffer.waits,
+                    percentiles,
+                    buffer.expired,
+                )
+            }
             (_, Place::Source(source)) => {
                 let (passed, lost) = source.passed_and_lost();
                 Account::Source(passed, lost)
             }
             _ => Account::Nothing,
         });
+        let accounts = accounts.collect();
+        let numbers = percentiles_of_lead_time(line);
+        let by_type = by_type.into_iter();
+        let by_type = by_type.map(|(part, mut times)| ProductFigures {
+            part,
+            products: times.count(),
+            lead_time: times.summary(),
+            percentiles: times.percentiles(&numbers),
+        });
         Reading {
             time: now,
             products: self.counters.products,
             rejected: self.counters.rejects.iter().map(|(count, _)| count).sum(),
-            lead_time,
+            yields: Yields::sum(&self.counters.yields),
+            lead_time: lead_times.summary(),
+            percentiles: lead_times.percentiles(&numbers),
+            by_type: by_type.collect(),
             units: self.counters.units.at(now),
-            accounts: accounts.collect(),
+            accounts,
         }
     }
 
@@ -211,38 +293,51 @@ impl Run<'_> {
     /// The batch between two readings, one of `count`.
     fn batch(&self, count: usize, from: &Reading, to: &Reading) -> Batch {
         let mut joules = 0.0;
-        let places = self.nodes.iter().map(|node| &node.place);
-        let accounts = from.accounts.iter().zip(&to.accounts).zip(places);
-        let places = accounts.map(|((before, after), place)| match (before, after, place) {
-            (
-                Account::Station(earlier, before),
-                Account::Station(clock, after),
-                Place::Station(station),
-            ) => {
-                joules += after - before;
-                PlaceFigures::Station(clock.after(earlier).shares(station.is_visited()))
-            }
-            (Account::Conveyor(before), Account::Conveyor(after), _) => {
-                joules += after - before;
-                PlaceFigures::Other
-            }
-            (Account::Buffer(earlier, waited), Account::Buffer(level, waits), _) => {
-                let (level, waits) = (level.after(earlier), waits.after(*waited));
-                PlaceFigures::Buffer {
-                    passed: waits.count,
-                    length: level.mean(),
-                    full: level.full_share(),
-                    wait: waits.mean(),
+        let nodes = self.line.nodes.iter().zip(&self.nodes);
+        let accounts = from.accounts.iter().zip(&to.accounts).zip(nodes);
+        let places = accounts.map(
+            |((before, after), (declared, node))| match (before, after) {
+                (Account::Station(before), Account::Station(after)) => {
+                    joules += after.joules - before.joules;
+                    let (NodeKind::Station(declared), Place::Station(station)) =
+                        (&declared.kind, &node.place)
+                    else {
+                        return PlaceFigures::Other;
+                    };
+                    let visited = station.is_visited();
+                    let figures = after.after(before, declared.idle_watts, visited);
+                    PlaceFigures::Station(Box::new(figures))
                 }
-            }
-            (Account::Source(left, lost), Account::Source(passed, all_lost), _) => {
-                PlaceFigures::Source {
-                    passed: passed - left,
-                    lost: all_lost - lost,
+                (Account::Conveyor(before, earlier), Account::Conveyor(after, level)) => {
+                    joules += after - before;
+                    PlaceFigures::Conveyor {
+                        joules: after - before,
+                        length: level.after(earlier).mean(),
+                    }
                 }
-            }
-            _ => PlaceFigures::Other,
-        });
+                (
+                    Account::Buffer(earlier, waited, _, gone),
+                    Account::Buffer(level, waits, percentiles, expired),
+                ) => {
+                    let (level, waits) = (level.after(earlier), waits.after(*waited));
+                    PlaceFigures::Buffer {
+                        passed: waits.count,
+                        length: level.mean(),
+                        full: level.full_share(),
+                        wait: waits.mean(),
+                        percentiles: percentiles.clone(),
+                        expired: expired - gone,
+                    }
+                }
+                (Account::Source(left, lost), Account::Source(passed, all_lost)) => {
+                    PlaceFigures::Source {
+                        passed: passed - left,
+                        lost: all_lost - lost,
+                    }
+                }
+                _ => PlaceFigures::Other,
+            },
+        );
         let places = places.collect();
         let calendar = self.line.calendar.as_ref();
         let worked = calendar
@@ -253,7 +348,10 @@ impl Run<'_> {
             on_shift_seconds: worked,
             products: to.products - from.products,
             rejected: to.rejected - from.rejected,
+            yields: to.yields.after(from.yields),
             lead_time: to.lead_time,
+            percentiles: to.percentiles.clone(),
+            by_type: to.by_type.clone(),
             wip: to.units.after(&from.units).mean(),
             joules,
             places,

@@ -24,6 +24,7 @@ use super::ways::Way;
 use super::{BELT, Event, Place, Run};
 use crate::log::EventKind;
 use crate::plant::part::PartIndex;
+use crate::statistics::Level;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Belt, NodeKind};
@@ -60,6 +61,8 @@ pub(super) struct BeltState {
     kept: usize,
     pub moving_seconds: f64,
     pub carried: u64,
+    /// Number of parts over time, with that in the inlet.
+    pub level: Level,
 }
 
 /// The part that would come on next.
@@ -70,10 +73,12 @@ enum Next {
 }
 
 impl BeltState {
-    /// Of these counted seconds, those in which the belt moved, and its energy in joules.
-    pub(super) fn moved(&self, counted: f64, watts: f64, idle_watts: f64) -> (f64, f64) {
+    /// Of these counted seconds, those in which the belt moved, and its energy in joules: in all,
+    /// and while it stood still.
+    pub(super) fn moved(&self, counted: f64, watts: f64, idle_watts: f64) -> (f64, f64, f64) {
         let moving = self.moving_seconds.min(counted);
-        (moving, moving * watts + (counted - moving) * idle_watts)
+        let standing = (counted - moving) * idle_watts;
+        (moving, moving * watts + standing, standing)
     }
 
     pub(super) fn new(belt: &Belt) -> Self {
@@ -105,6 +110,7 @@ impl BeltState {
             kept: 0,
             moving_seconds: 0.0,
             carried: 0,
+            level: Level::new(belt.places.len() as u32),
         }
     }
 }
@@ -407,13 +413,17 @@ impl<'a> Run<'a> {
 
     /// Updates the belt after the first part has left.
     pub(super) fn belt_left(&mut self, node: usize) {
+        let now = self.now;
         let belt = self.belt(node);
+        belt.level.decrease(now);
         belt.held.pop_front();
         belt.carried += 1;
     }
 
     /// Puts an arriving part onto the belt or, if it comes from another belt, into the inlet.
     pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
+        let now = self.now;
+        self.belt(node).level.increase(now);
         if matches!(self.nodes[from].place, Place::Belt(_)) {
             let order = self.next_number();
             self.belt(node).inlet = Some((part, order));

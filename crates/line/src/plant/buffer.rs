@@ -7,7 +7,8 @@ use super::part::{Part, PartIndex};
 use super::{Event, Place, Run, WORK};
 use crate::calls::Real;
 use crate::sampler::Sampler;
-use crate::statistics::{Level, Waits};
+use crate::statistics::{Level, Times, Waits};
+use crate::trace::Percentiles;
 use linewright_language::contract::line::BufferOrder;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -24,6 +25,8 @@ pub(super) struct Buffer {
     ready: Ready,
     pub level: Level,
     pub waits: Waits,
+    /// Waiting times for percentiles; `None` if no requirement speaks of one.
+    sample: Option<Box<WaitSample>>,
     /// Number of parts that have come.
     came: i64,
     /// Sequence number of the request of a part that the next one has overtaken, and whose turn it
@@ -40,6 +43,16 @@ pub(super) struct Buffer {
     expiries: VecDeque<Expiry>,
     /// Number of parts that have expired.
     pub expired: u64,
+}
+
+/// Waiting times for percentiles.
+#[derive(Debug)]
+struct WaitSample {
+    /// Numbers of the percentiles.
+    numbers: Vec<u8>,
+    seed: u64,
+    of_run: Times,
+    of_batch: Times,
 }
 
 /// The lowest leaves first. The number decides between parts of the same rank.
@@ -94,6 +107,7 @@ impl Buffer {
                 _ => Ready::Ranked(BTreeMap::new()),
             },
             came: 0,
+            sample: None,
             dwell: None,
             resting: BTreeMap::new(),
             shelf_life: None,
@@ -110,6 +124,20 @@ impl Buffer {
         Self {
             is_plain: self.is_plain && dwell.is_none(),
             dwell,
+            ..self
+        }
+    }
+
+    /// Keeps waiting times for the percentiles with these numbers. `seed` seeds the sample.
+    pub(super) fn with_percentiles(self, numbers: Vec<u8>, seed: u64) -> Self {
+        let sample = (!numbers.is_empty()).then(|| WaitSample {
+            numbers,
+            seed,
+            of_run: Times::new(seed),
+            of_batch: Times::new(seed),
+        });
+        Self {
+            sample: sample.map(Box::new),
             ..self
         }
     }
@@ -258,6 +286,10 @@ impl Buffer {
             self.turn = None;
             self.level.decrease(now);
             self.waits.add(now - since);
+            if let Some(sample) = &mut self.sample {
+                sample.of_run.add(now - since);
+                sample.of_batch.add(now - since);
+            }
         }
     }
 
@@ -284,8 +316,30 @@ impl Buffer {
         Some((part, first == Some(part)))
     }
 
+    /// Percentiles of the waiting times since counting began.
+    pub(super) fn wait_percentiles(&mut self) -> Percentiles {
+        let sample = self.sample.as_mut();
+        sample.map_or_else(Percentiles::default, |sample| {
+            sample.of_run.percentiles(&sample.numbers)
+        })
+    }
+
+    /// Percentiles of the waiting times in the batch that ends.
+    pub(super) fn end_batch(&mut self) -> Percentiles {
+        let sample = self.sample.as_mut();
+        sample.map_or_else(Percentiles::default, |sample| {
+            let percentiles = sample.of_batch.percentiles(&sample.numbers);
+            sample.of_batch = Times::new(sample.seed);
+            percentiles
+        })
+    }
+
     /// Forgets what has been counted.
     pub(super) fn forget(&mut self, now: f64) {
+        if let Some(sample) = &mut self.sample {
+            sample.of_run = Times::new(sample.seed);
+            sample.of_batch = Times::new(sample.seed);
+        }
         self.level.forget(now);
         self.waits = Waits::default();
         self.expired = 0;

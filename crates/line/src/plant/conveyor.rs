@@ -13,10 +13,11 @@
 
 use super::{Event, Place, Run, WORK};
 use crate::plant::part::PartIndex;
+use crate::statistics::Level;
 use std::collections::VecDeque;
 
 /// State of a conveyor.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Conveyor {
     /// Number of places, and seconds per place.
     places: usize,
@@ -37,6 +38,8 @@ pub(super) struct Conveyor {
     booked: f64,
     moving_seconds: f64,
     pub carried: u64,
+    /// Number of parts over time.
+    pub level: Level,
 }
 
 impl Conveyor {
@@ -45,7 +48,16 @@ impl Conveyor {
         Self {
             places,
             period,
-            ..Self::default()
+            parts: VecDeque::new(),
+            opens: 0.0,
+            closes: 0.0,
+            arriving: false,
+            reopening: false,
+            moving_until: 0.0,
+            booked: 0.0,
+            moving_seconds: 0.0,
+            carried: 0,
+            level: Level::new(places as u32),
         }
     }
 
@@ -58,6 +70,7 @@ impl Conveyor {
     pub(super) fn left(&mut self, now: f64) {
         self.book(now);
         self.parts.pop_front();
+        self.level.decrease(now);
         self.carried += 1;
         self.closes = now + self.period;
         // Without the part that left, the remaining parts can move up by one more pitch.
@@ -79,6 +92,7 @@ impl Conveyor {
         self.book(now);
         self.moving_seconds = 0.0;
         self.carried = 0;
+        self.level.forget(now);
     }
 
     /// Seconds in which something moved, up to `now`.
@@ -95,6 +109,7 @@ impl Run<'_> {
         };
         let (places, period) = (conveyor.places, conveyor.period);
         conveyor.book(now);
+        conveyor.level.increase(now);
         let ahead = conveyor.parts.len();
         conveyor.moving_until = conveyor
             .moving_until

@@ -1,7 +1,7 @@
 //! Counters of a run: parts, products and their times.
 
 use super::part::Part;
-use crate::statistics::{LeadTimes, Level};
+use crate::statistics::{Level, Profile, Times};
 use crate::trace::Yields;
 use linewright_language::contract::line::Line;
 
@@ -18,9 +18,9 @@ pub(super) struct Counters {
     /// Time at which the last end product was complete, in seconds.
     pub makespan: f64,
     /// Lead times of the end products.
-    pub lead_times: LeadTimes,
+    pub lead_times: Times,
     /// By type, if there are several types of end products: its lead times. Empty otherwise.
-    pub by_type: Vec<(usize, LeadTimes)>,
+    pub by_type: Vec<(usize, Times)>,
     /// Completion and lead time of each end product, in seconds, up to [`MAX_OBSERVATIONS`]; `None`
     /// if they are not wanted.
     pub observations: Option<Vec<(f64, f64)>>,
@@ -36,6 +36,8 @@ pub(super) struct Counters {
     pub before: u64,
     /// Number of parts in the line: those that have entered and not left.
     pub units: Level,
+    /// The same over time.
+    pub units_over_time: Profile,
     /// Sum over the parts that have left the line of the time that they spent there while it was
     /// counted, in seconds.
     pub unit_seconds: f64,
@@ -53,11 +55,11 @@ impl Counters {
         let several = line.only_product().is_none();
         let by_type = line.products.iter().filter(|_| several);
         Self {
-            by_type: by_type.map(|part| (*part, LeadTimes::new(seed))).collect(),
+            by_type: by_type.map(|part| (*part, Times::new(seed))).collect(),
             products: 0,
             stored: 0,
             makespan: 0.0,
-            lead_times: LeadTimes::new(seed),
+            lead_times: Times::new(seed),
             observations: None,
             entered: 0,
             finished: 0,
@@ -65,6 +67,7 @@ impl Counters {
             consumed: 0,
             before: 0,
             units: Level::new(u32::MAX),
+            units_over_time: Profile::default(),
             unit_seconds: 0.0,
             in_line: vec![0; types],
             rejects: vec![(0, 0); types],
@@ -74,10 +77,12 @@ impl Counters {
     /// Forgets what has been counted, but not which parts are in the line. `seed` seeds the sample
     /// of lead times.
     pub(super) fn forget(&mut self, line: &Line, now: f64, seed: u64) {
+        self.units_over_time.forget(now, &self.units);
         self.units.forget(now);
         *self = Self {
             before: u64::from(self.units.level()),
             units: self.units.clone(),
+            units_over_time: std::mem::take(&mut self.units_over_time),
             in_line: std::mem::take(&mut self.in_line),
             observations: self.observations.take(),
             ..Self::new(line, seed)
@@ -87,12 +92,14 @@ impl Counters {
     /// Counts a part that comes into the line.
     pub(super) fn unit_enters(&mut self, now: f64) {
         self.entered += 1;
+        self.units_over_time.advance(now, &self.units);
         self.units.increase(now);
     }
 
     /// Counts a part that leaves the line, and that has been in it since `since`. Counting began at
     /// `start`.
     pub(super) fn unit_leaves(&mut self, now: f64, since: f64, start: f64) {
+        self.units_over_time.advance(now, &self.units);
         self.units.decrease(now);
         self.unit_seconds += now - since.max(start);
     }

@@ -2,6 +2,7 @@
 
 use super::{Node, Place, Run};
 use crate::bottleneck::Bottleneck;
+use crate::metric::percentiles_of_lead_time;
 use crate::requirement;
 use crate::statistics::Activity;
 use crate::trace::{
@@ -14,17 +15,17 @@ impl Run<'_> {
     pub(super) fn finish(mut self, end: End) -> Trace {
         self.report_short_run();
         self.log_end(end);
+        for node in 0..self.nodes.len() {
+            if matches!(self.nodes[node].place, Place::Station(_)) {
+                self.end_starving(node);
+            }
+        }
         let batches = self.close_batches(end);
         let (mut stations, mut conveyors, mut buffers) = (Vec::new(), Vec::new(), Vec::new());
         let mut sources = Vec::new();
         let now = self.now;
         let start = self.counting_start();
         let counted = now - start;
-        for node in 0..self.nodes.len() {
-            if matches!(self.nodes[node].place, Place::Station(_)) {
-                self.end_starving(node);
-            }
-        }
         for (index, node) in self.line.nodes.iter().enumerate() {
             let Node { place, outlet, .. } = &mut self.nodes[index];
             match (&node.kind, place) {
@@ -41,6 +42,11 @@ impl Run<'_> {
                         shares: station.clock.shares(station.is_visited()),
                         busy_seconds: station.clock.seconds(Activity::Busy),
                         joules: station.joules,
+                        joules_by_state: station.clock.energy(
+                            station.joules,
+                            declared.idle_watts,
+                            station.is_visited(),
+                        ),
                         work_time: station.work_time(),
                         oee: station.oee(),
                         scrapped: station.scrapped,
@@ -49,6 +55,7 @@ impl Run<'_> {
                 }
                 (NodeKind::Conveyor { watts, .. }, Place::Conveyor(conveyor)) => {
                     let moving_seconds = conveyor.moving_seconds(now);
+                    conveyor.level.advance(now);
                     conveyors.push(ConveyorStatistics {
                         node: index,
                         name: node.name.clone(),
@@ -56,6 +63,9 @@ impl Run<'_> {
                         carried: conveyor.carried,
                         moving_seconds,
                         joules: moving_seconds * watts,
+                        standing_joules: 0.0,
+                        length: conveyor.level.mean(),
+                        longest: conveyor.level.max(),
                     });
                 }
                 (
@@ -67,7 +77,9 @@ impl Run<'_> {
                     Place::Belt(belt),
                 ) => {
                     let idle_watts = declared.machine.idle_watts;
-                    let (moving_seconds, joules) = belt.moved(counted, *watts, idle_watts);
+                    let (moving_seconds, joules, standing_joules) =
+                        belt.moved(counted, *watts, idle_watts);
+                    belt.level.advance(now);
                     conveyors.push(ConveyorStatistics {
                         node: index,
                         name: node.name.clone(),
@@ -75,6 +87,9 @@ impl Run<'_> {
                         carried: belt.carried,
                         moving_seconds,
                         joules,
+                        standing_joules,
+                        length: belt.level.mean(),
+                        longest: belt.level.max(),
                     });
                 }
                 (NodeKind::Source { .. }, Place::Source(source)) => {
@@ -98,6 +113,7 @@ impl Run<'_> {
                         full: buffer.level.full_share(),
                         wait: buffer.waits.mean(),
                         longest_wait: buffer.waits.max,
+                        wait_percentiles: buffer.wait_percentiles(),
                         expired: buffer.expired,
                     });
                 }
@@ -105,6 +121,9 @@ impl Run<'_> {
             }
         }
         let parts = self.count_parts();
+        let counters = &mut self.counters;
+        let over_time = std::mem::take(&mut counters.units_over_time);
+        let wip_over_time = over_time.over_time(now, &counters.units);
         self.check_littles_law();
         let rate = |count: u64, seconds: f64| {
             if seconds > 0.0 {
@@ -115,11 +134,13 @@ impl Run<'_> {
         };
         let per_hour = |seconds: f64| rate(self.counters.products, seconds);
         let by_type = self.counters.by_type.into_iter();
-        let by_type = by_type.map(|(part, lead_times)| ProductStatistics {
+        let numbers = percentiles_of_lead_time(self.line);
+        let by_type = by_type.map(|(part, mut lead_times)| ProductStatistics {
             part,
             products: lead_times.count(),
             throughput_per_hour: rate(lead_times.count(), counted),
             lead_time: lead_times.summary(),
+            lead_time_percentiles: lead_times.percentiles(&numbers),
         });
         let on_shift_seconds = self
             .line
@@ -145,7 +166,9 @@ impl Run<'_> {
                 max: self.counters.units.max(),
             },
             parts,
+            wip_over_time: Some(wip_over_time),
             lead_time: self.counters.lead_times.summary(),
+            lead_time_percentiles: self.counters.lead_times.percentiles(&numbers),
             by_type: by_type.collect(),
             // Starts from 0, because the sum of no numbers is -0.
             joules: 0.0

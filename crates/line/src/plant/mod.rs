@@ -30,6 +30,7 @@ mod ways;
 
 use super::calendar::Calendar;
 use super::log::Observer;
+use super::metric::percentiles_of_wait;
 use super::random::{Purpose, Stream};
 use super::sampler::Sampler;
 use super::trace::{End, Trace};
@@ -419,6 +420,7 @@ impl<'a> Run<'a> {
                 let dwell = (!dwell.is_zero()).then(|| Sampler::new(dwell, draws()));
                 let buffer = Buffer::new(*capacity, order)
                     .with_dwell(dwell)
+                    .with_percentiles(percentiles_of_wait(line, index), seed)
                     .with_shelf_life(*shelf_life);
                 Place::Buffer(Box::new(buffer))
             }

@@ -199,7 +199,9 @@ impl Run<'_> {
             }
             (Place::Belt(belt), Some(declared)) => {
                 let counted = self.now - self.counting_start();
-                Some(belt.moved(counted, *watts, declared.machine.idle_watts))
+                let idle_watts = declared.machine.idle_watts;
+                let (seconds, joules, _) = belt.moved(counted, *watts, idle_watts);
+                Some((seconds, joules))
             }
             _ => None,
         }

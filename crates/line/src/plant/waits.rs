@@ -8,6 +8,7 @@
 
 use super::ways::Way;
 use super::{Place, Run, Setup};
+use crate::batches::CauseTime;
 use crate::statistics::Activity;
 use crate::trace::{Wait, WaitKind};
 use linewright_language::contract::line::{Line, NodeKind};
@@ -95,6 +96,21 @@ impl Waits {
         self.starved_down.clear();
         self.blocked.clear();
         self.starved.clear();
+    }
+
+    /// What has been charged to each cause so far. A wait is charged when it ends.
+    pub(super) fn charged(&self) -> Vec<CauseTime> {
+        let of = |kind| {
+            move |cause: &Cause| CauseTime {
+                kind,
+                place: cause.place,
+                station: cause.station,
+                seconds: cause.seconds,
+            }
+        };
+        let blocked = self.blocked.iter().map(of(WaitKind::Blocked));
+        let starved = self.starved.iter().map(of(WaitKind::Starved));
+        blocked.chain(starved).collect()
     }
 
     /// The causes, as shares of `total` seconds; the greatest come first.

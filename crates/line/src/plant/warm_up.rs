@@ -88,6 +88,7 @@ impl Run<'_> {
                 Place::Belt(belt) => {
                     belt.moving_seconds = 0.0;
                     belt.carried = 0;
+                    belt.level.forget(now);
                 }
                 Place::Buffer(buffer) => buffer.forget(now),
                 Place::Source(source) => source.forget(now),

@@ -177,6 +177,7 @@ impl<'a> Builder<'a, '_> {
                 LineItem::Station { .. } => Some(PlaceKind::Station),
                 LineItem::Source { .. } => Some(PlaceKind::Source),
                 LineItem::Buffer { .. } => Some(PlaceKind::Buffer),
+                LineItem::Conveyor { .. } => Some(PlaceKind::Conveyor),
                 _ => None,
             };
             self.kinds.extend(kind.map(|kind| (nodes, kind)));

@@ -109,7 +109,7 @@ impl<'a> Builder<'a, '_> {
                 per_hour,
                 span,
             } => {
-                let Some(metric) = self.metric(metric, of.as_ref()) else {
+                let Some(metric) = self.metric(metric, of.as_ref(), &model.products) else {
                     return;
                 };
                 let unit = metric.measure.info().unit;
@@ -164,15 +164,24 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Resolves a metric.
-    fn metric(&mut self, name: &ast::Name, of: Option<&ast::Name>) -> Option<Metric> {
-        let Some(measure) = Measure::named(&name.text) else {
-            let all: Vec<String> = MEASURES.iter().map(MeasureInfo::syntax).collect();
-            let metrics = format!("the metrics are {}", all.join(", "));
+    /// Resolves a metric of a line with these end products.
+    fn metric(
+        &mut self,
+        name: &ast::Name,
+        of: Option<&ast::Name>,
+        products: &[usize],
+    ) -> Option<Metric> {
+        let Some((measure, percentile)) = Measure::named(&name.text) else {
+            let all: Vec<String> = MEASURES.iter().flat_map(MeasureInfo::forms).collect();
+            let metrics = format!(
+                "the metrics are {}; a percentile is a number from 1 to 99",
+                all.join(", ")
+            );
             let help = match nearest(&name.text, MEASURES.iter().map(|info| info.name)) {
                 Some(near) => {
-                    let near = Measure::named(near).map_or_else(String::new, |m| m.info().syntax());
-                    format!("did you mean `{near}`? {metrics}")
+                    let near = Measure::named(near);
+                    let near = near.map_or_else(String::new, |(near, _)| forms(near.info()));
+                    format!("did you mean {near}? {metrics}")
                 }
                 None => metrics,
             };
@@ -184,42 +193,95 @@ impl<'a> Builder<'a, '_> {
             );
             return None;
         };
+        let metric = Metric {
+            percentile,
+            ..measure.into()
+        };
         let info = measure.info();
-        let nodes = match (info.place, of) {
-            (None, None) => 0..0,
-            (Some(kind), Some(place)) => {
-                let node = self.find_node(place)?;
-                if self.kinds.get(&node) != Some(&kind) {
-                    let word = kind.word();
-                    self.e.findings.error_with(
-                        codes::LINE_UNKNOWN,
-                        place.span,
-                        format!("`{}` is not a {word}", place.text),
-                        format!("name a {word}: only {word}s have this metric"),
-                    );
-                    return None;
-                }
-                node..node + 1
-            }
-            (None, Some(place)) => {
-                self.e.findings.error_with(
-                    codes::LINE_UNKNOWN,
-                    place.span,
-                    format!("`{}` is measured for the whole line", info.name),
-                    format!("write `{}` without a place", info.name),
-                );
-                return None;
-            }
-            (Some(_), None) => {
+        let Some(of) = of else {
+            if !info.of_line {
                 self.e.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("there is no metric `{}` of the whole line", info.name),
-                    format!("write `{}`", info.syntax()),
+                    format!("write {}", forms(info)),
                 );
                 return None;
             }
+            return Some(metric);
         };
-        Some(Metric { measure, nodes })
+        if info.of_product {
+            return Some(Metric {
+                product: Some(self.end_product(of, info, products)?),
+                ..metric
+            });
+        }
+        if info.places.is_empty() {
+            self.e.findings.error_with(
+                codes::LINE_UNKNOWN,
+                of.span,
+                format!("`{}` is measured for the whole line", info.name),
+                format!("write `{}` without a place", info.name),
+            );
+            return None;
+        }
+        let node = self.find_node(of)?;
+        let kind = self.kinds.get(&node);
+        if !kind.is_some_and(|kind| info.places.contains(kind)) {
+            let words = info.about();
+            let plural = words.replace(" or ", "s and ");
+            self.e.findings.error_with(
+                codes::LINE_UNKNOWN,
+                of.span,
+                format!("`{}` is not a {words}", of.text),
+                format!("name a {words}: only {plural}s have this metric"),
+            );
+            return None;
+        }
+        Some(Metric {
+            nodes: node..node + 1,
+            ..metric
+        })
     }
+
+    /// Finds the end product that a metric is about.
+    fn end_product(
+        &mut self,
+        of: &ast::Name,
+        info: &MeasureInfo,
+        products: &[usize],
+    ) -> Option<usize> {
+        let is_place = self.node_index.contains_key(&of.text);
+        let part = if is_place {
+            self.part_index.get(&of.text).copied()
+        } else {
+            Some(self.find_part(of)?)
+        };
+        if let Some(part) = part.filter(|part| products.contains(part)) {
+            return Some(part);
+        }
+        let known: Vec<String> = products
+            .iter()
+            .map(|product| format!("`{}`", self.parts[*product].model.name))
+            .collect();
+        // Without a product, the line has another error.
+        if !known.is_empty() {
+            self.e.findings.error_with(
+                codes::LINE_UNKNOWN,
+                of.span,
+                format!("`{}` is not an end product", of.text),
+                format!(
+                    "`{}` is measured for the whole line or for an end product: {}",
+                    info.name,
+                    known.join(", ")
+                ),
+            );
+        }
+        None
+    }
+}
+
+/// How a metric is written: `` `length(buffer)` or `length(conveyor)` ``.
+fn forms(info: &MeasureInfo) -> String {
+    format!("`{}`", info.forms().join("` or `"))
 }

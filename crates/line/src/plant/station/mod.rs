@@ -10,7 +10,7 @@ use super::waits::Waits;
 use crate::plant::part::{Part, PartIndex};
 use crate::random::{Purpose, Stream};
 use crate::sampler::Sampler;
-use crate::statistics::{Activity, Clock};
+use crate::statistics::{Activity, Clock, Output};
 use crate::trace::{Oee, WorkTime};
 use linewright_language::contract::line::{self, Line};
 
@@ -448,8 +448,7 @@ impl Station {
     /// Energy in joules that the station has used up to `now`, with that of a service in progress
     /// and with the idle power outside work.
     pub(super) fn joules(&self, now: f64, idle_watts: f64) -> f64 {
-        let clock = self.clock.at(now);
-        let outside = (clock.total() - clock.seconds(Activity::Busy)).max(0.0);
+        let outside = self.clock.at(now).outside_work();
         self.joules + self.joules_used(self.left(now)) + idle_watts * outside
     }
 
@@ -485,15 +484,18 @@ impl Station {
         })
     }
 
-    /// Overall equipment effectiveness, after the accounts have been closed. Planned time times
-    /// quantity is the time in work without the work that was lost, which also holds for a part
-    /// that is in work at the start or the end.
+    /// Overall equipment effectiveness, after the accounts have been closed.
     pub(super) fn oee(&self) -> Option<Oee> {
-        let (busy, planned) = (self.clock.seconds(Activity::Busy), self.clock.planned());
-        (busy > 0.0 && planned > 0.0 && self.processed > 0).then(|| Oee {
-            availability: (busy / planned).min(1.0),
-            effectiveness: (1.0 - self.lost_seconds / busy).max(0.0),
-            quality: (1.0 - self.scrapped as f64 / (self.processed + self.broken) as f64).max(0.0),
-        })
+        self.output().oee(&self.clock)
+    }
+
+    /// What the station has made since counting began.
+    pub(super) fn output(&self) -> Output {
+        Output {
+            processed: self.processed,
+            broken: self.broken,
+            scrapped: self.scrapped,
+            lost_seconds: self.lost_seconds,
+        }
     }
 }

@@ -6,9 +6,11 @@ use super::operation::{OF_SHARES, shares};
 use super::{first, legend};
 use crate::html::numbers::{figure, rounded};
 use crate::html::parts::{behind, section, table};
+use crate::table::shown_in;
 use crate::{Intervals, Variant};
 use linewright_language::contract::metric::Measure;
 use linewright_line::comparison::{COMPARED, Comparison};
+use linewright_line::metric;
 use linewright_line::trace::{End, duration_in_units};
 use linewright_line::{Estimate, Trace};
 use maud::{Markup, html};
@@ -94,7 +96,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
     const SHOWN: [Measure; 6] = [
         Measure::Throughput,
         Measure::LeadTime,
-        Measure::LeadTimeP95,
+        Measure::LeadTimePercentile,
         Measure::Wip,
         Measure::Makespan,
         Measure::Energy,
@@ -159,16 +161,53 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
         p { (about) }
         (charts::ranges(heading, &ranges))
         @if !is_single { (behind(&headings, &rows)) }
+        (all_measures(page, intervals))
     };
     section("replications", heading, &inside)
 }
 
+/// The intervals of all measures that are not 0 throughout.
+fn all_measures(page: &Page<'_>, intervals: Intervals<'_>) -> Markup {
+    let measures = match intervals {
+        Intervals::Replications(runs) => &runs.measures,
+        Intervals::Batches(batches) => &batches.measures,
+    };
+    let rows: Vec<Vec<String>> = measures
+        .iter()
+        .filter_map(|of| {
+            let Estimate { mean, half_width } = of.value?;
+            let half = half_width.unwrap_or(0.0);
+            if mean == 0.0 && half == 0.0 {
+                return None;
+            }
+            let measure = of.subject.measure();
+            let (label, scale) = shown_in(measure, of.subject.label(page.line), mean);
+            let value = |value: f64| rounded(value * scale, half * scale);
+            Some(vec![
+                label,
+                value(mean),
+                half_width.map_or("-".to_owned(), |half| value(mean - half)),
+                half_width.map_or("-".to_owned(), |half| value(mean + half)),
+            ])
+        })
+        .collect();
+    if rows.is_empty() {
+        return html! {};
+    }
+    html! {
+        details {
+            summary { "All measures with their intervals" }
+            (table(&["Measure", "Mean", "From", "To"], &rows))
+        }
+    }
+}
+
 /// Values of a measure in runs that have one.
 fn of_runs(measure: Measure, traces: &[Trace]) -> Vec<f64> {
-    use linewright_line::metric::Figures as _;
+    let metric = measure.into();
     traces
         .iter()
-        .filter_map(|trace| trace.of_line(measure))
+        .filter_map(|trace| metric::measure(&metric, trace))
         .collect()
 }
 

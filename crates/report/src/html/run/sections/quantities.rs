@@ -8,11 +8,11 @@ use super::super::{Page, charts, state_class};
 use super::{
     STATES, first, idle_name, legend, made, part_class, parts_legend, section_of_first, unpowered,
 };
+use crate::energy::EnergyUnit;
 use crate::html::numbers::{count, figure, percent};
 use crate::html::parts::{behind, table};
 use linewright_language::contract::line::{NodeKind, declared_name};
 use linewright_line::log::Activity;
-use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{Yields, duration_in_units};
 use maud::{Markup, html};
 
@@ -203,6 +203,10 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
     if trace.joules <= 0.0 {
         return html! {};
     }
+    let joules = recorder.joules.iter();
+    let joules = joules.map(|of_node| of_node.iter().sum::<f64>());
+    let unit = EnergyUnit::of(joules.fold(0.0, f64::max));
+    let symbol = unit.symbol();
     let of_node = |index: usize| {
         STATES.map(|(state, _)| {
             let joules = &recorder.joules[index];
@@ -214,7 +218,7 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
                 Activity::Starved if unused => 0.0,
                 _ => of(state),
             };
-            all / JOULES_PER_KWH
+            all / unit.joules()
         })
     };
     let of_state = |node: usize, state: Activity, name: &'static str| {
@@ -226,40 +230,48 @@ pub(super) fn energy(page: &Page<'_>) -> Markup {
     };
     let nodes: Vec<(usize, [f64; 6])> = (0..page.line.nodes.len())
         .map(|index| (index, of_node(index)))
-        .filter(|(_, kwh)| kwh.iter().sum::<f64>() > 0.0)
+        .filter(|(_, energy)| energy.iter().sum::<f64>() > 0.0)
         .collect();
-    let total = |kwh: &[f64; 6]| kwh.iter().sum::<f64>();
+    let total = |energy: &[f64; 6]| energy.iter().sum::<f64>();
     let bars: Vec<Bar> = nodes
         .iter()
-        .map(|(index, kwh)| Bar {
+        .map(|(index, energy)| Bar {
             name: page.line.nodes[*index].name.clone(),
-            pieces: kwh
+            pieces: energy
                 .iter()
                 .zip(STATES)
                 .map(|(value, (state, name))| Piece {
                     class: state_class(state).to_owned(),
                     value: *value,
-                    title: format!("{}: {} kWh", of_state(*index, state, name), figure(*value)),
+                    title: format!(
+                        "{}: {} {symbol}",
+                        of_state(*index, state, name),
+                        figure(*value)
+                    ),
                 })
                 .collect(),
-            total: format!("{} kWh", figure(total(kwh))),
+            total: format!("{} {symbol}", figure(total(energy))),
         })
         .collect();
-    let most = nodes.iter().map(|(_, kwh)| total(kwh)).fold(0.0, f64::max);
+    let most = nodes
+        .iter()
+        .map(|(_, energy)| total(energy))
+        .fold(0.0, f64::max);
     let rows: Vec<Vec<String>> = nodes
         .iter()
-        .map(|(index, kwh)| {
-            let cells = kwh.iter().map(|value| figure(*value));
+        .map(|(index, energy)| {
+            let cells = energy.iter().map(|value| figure(*value));
             let name = page.line.nodes[*index].name.clone();
             std::iter::once(name)
                 .chain(cells)
-                .chain([figure(total(kwh))])
+                .chain([figure(total(energy))])
                 .collect()
         })
         .collect();
     let mut headings = vec!["Place"];
     headings.extend(STATES.map(|(_, name)| name));
-    headings.push("all, kWh");
+    let all = format!("all, {symbol}");
+    headings.push(&all);
     let is_conveyor = |node: usize| matches!(page.line.nodes[node].kind, NodeKind::Conveyor { .. });
     let has_conveyors = nodes.iter().any(|(node, _)| is_conveyor(*node));
     let unpowered = unpowered(page);

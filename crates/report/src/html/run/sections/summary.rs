@@ -5,6 +5,7 @@ use super::conclusion::{conclusion, limit, most_frequent};
 use super::intervals::{estimate, heading_of, interval, mean_of_runs, value_of};
 use super::{first, has_contracts, has_shifts, made, unpowered};
 use crate::Intervals;
+use crate::energy::EnergyUnit;
 use crate::html::numbers::{count, exact, figure, percent, rounded};
 use crate::html::parts::{links, section, table_of, tile};
 use crate::table::{bottleneck, required_with};
@@ -87,7 +88,11 @@ fn ending(end: End) -> &'static str {
 fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &str) -> Markup {
     let show = |value: f64, half: f64| match measure {
         Measure::Throughput => format!("{} / h", rounded(value, half)),
-        Measure::Energy => format!("{} kWh", rounded(value, half)),
+        Measure::Energy => {
+            let unit = EnergyUnit::of(value * JOULES_PER_KWH);
+            let scale = JOULES_PER_KWH / unit.joules();
+            format!("{} {}", rounded(value * scale, half * scale), unit.symbol())
+        }
         Measure::FirstPassYield if half > 0.0 => {
             format!("{} %", rounded(value * 100.0, half * 100.0))
         }
@@ -170,7 +175,8 @@ pub(super) fn tiles(page: &Page<'_>) -> Markup {
             }
             @if trace.joules > 0.0 {
                 (measured(page, Measure::Energy, "Energy", kwh, &per_product.map_or(String::new(), |joules| {
-                    format!("{} kWh a {product}{unpowered}", figure(joules / JOULES_PER_KWH))
+                    let unit = EnergyUnit::of(joules);
+                    format!("{} {} a {product}{unpowered}", figure(joules / unit.joules()), unit.symbol())
                 })))
             }
             @if let (true, Some(first_pass)) = (has_products, mean(|trace| trace.yields.first_pass_yield())) {
