@@ -68,28 +68,28 @@ fn as_text() {
     lead time    mean 0:01:01, median 0:01:00, 95th percentile 0:01:06, maximum 0:01:06
     WIP          mean 4.07 parts, maximum 5
     bottleneck   assembly_cell_1 (busy, set up or failed 87.4 % of the time)
-    energy       0.003 kWh
+    energy       2.750 Wh; 0.458 Wh a product
     parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line
     rejected     1 Printed (1 ordered again), 1 Product (1 ordered again)
     quality      first-pass yield 85.7 %, scrap 14.3 %
     violations   1
                  0:02:26 assembly_cell_1, Product 23: turn: gripped
     
-    station         machine            parts    time   kWh   busy starved blocked failed    idle setup
-    camera          camera_machine         8 0:02:40 0.001 77.7 %  22.3 %   0.0 %  0.0 %   0.0 % 0.0 %
-    assembly_cell_1 assembly_cell_1_m…     6 0:03:00 0.001 87.4 %  12.6 %   0.0 %  0.0 %   0.0 % 0.0 %
+    station         machine            parts    time    Wh   busy starved blocked failed    idle setup
+    camera          camera_machine         8 0:02:40 1.083 77.7 %  22.3 %   0.0 %  0.0 %   0.0 % 0.0 %
+    assembly_cell_1 assembly_cell_1_m…     6 0:03:00 0.500 87.4 %  12.6 %   0.0 %  0.0 %   0.0 % 0.0 %
     milling         milling_machine        0     0 s 0.000  0.0 %   0.0 %   0.0 %  0.0 % 100.0 % 0.0 %
     
     station         work a part actions control    OEE availability effectiveness quality
     camera                 20 s    20 s     0 s 68.0 %       77.7 %       100.0 %  87.5 %
     assembly_cell_1        30 s    30 s     0 s 87.4 %       87.4 %       100.0 % 100.0 %
     
-    conveyor machine parts moving   kWh
-    belt     -           7   42 s 0.001
+    conveyor machine parts mean length maximum moving    Wh
+    belt     -           7        0.20       1   42 s 1.167
     
-    by machine                 time   kWh
-    camera_machine          0:02:40 0.001
-    assembly_cell_1_machine 0:03:00 0.001
+    by machine                 time    Wh
+    camera_machine          0:02:40 1.083
+    assembly_cell_1_machine 0:03:00 0.500
     milling_machine             0 s 0.000
     
     requirement verdict required                    measured
@@ -102,8 +102,10 @@ fn as_text() {
 fn as_json() {
     let mut plant = plant();
     let trace = plant.run();
-    let document = report::json(plant.line(), &trace, None, None);
+    let mut document = report::json(plant.line(), &trace, None, None);
     assert!(document.get("wall_seconds").is_none());
+    let over_time = document["wip"]["over_time"]["means"].take();
+    assert_eq!(over_time.as_array().map(Vec::len), Some(206));
     insta::assert_snapshot!(serde_json::to_string_pretty(&document).unwrap(), @r#"
     {
       "schema": "linewright/run/1",
@@ -143,7 +145,11 @@ fn as_json() {
       "throughput_per_hour_on_shift": null,
       "wip": {
         "mean": 4.067961,
-        "max": 5
+        "max": 5,
+        "over_time": {
+          "bin_seconds": 1.0,
+          "means": null
+        }
       },
       "lead_time": {
         "mean": 60.666667,
@@ -152,6 +158,7 @@ fn as_json() {
         "max": 66.0
       },
       "energy_kwh": 0.00275,
+      "energy_per_product_kwh": 0.000458333333,
       "bottleneck": "assembly_cell_1",
       "limited_by": {
         "kind": "station",
@@ -180,6 +187,14 @@ fn as_json() {
           "setup": 0.0,
           "busy_seconds": 160.0,
           "energy_kwh": 0.001083333,
+          "energy_by_state_kwh": {
+            "busy": 0.000444444,
+            "starved": 0.000638889,
+            "blocked": 0.0,
+            "failed": 0.0,
+            "idle": 0.0,
+            "setup": 0.0
+          },
           "work": {
             "seconds": 20.0,
             "action_seconds": 20.0,
@@ -214,6 +229,14 @@ fn as_json() {
           "setup": 0.0,
           "busy_seconds": 180.0,
           "energy_kwh": 0.0005,
+          "energy_by_state_kwh": {
+            "busy": 0.0005,
+            "starved": 0.0,
+            "blocked": 0.0,
+            "failed": 0.0,
+            "idle": 0.0,
+            "setup": 0.0
+          },
           "work": {
             "seconds": 30.0,
             "action_seconds": 30.0,
@@ -248,6 +271,14 @@ fn as_json() {
           "setup": 0.0,
           "busy_seconds": 0.0,
           "energy_kwh": 0.0,
+          "energy_by_state_kwh": {
+            "busy": 0.0,
+            "starved": 0.0,
+            "blocked": 0.0,
+            "failed": 0.0,
+            "idle": 0.0,
+            "setup": 0.0
+          },
           "work": null,
           "oee": null,
           "scrapped": 0,
@@ -260,8 +291,14 @@ fn as_json() {
           "name": "belt",
           "machine": null,
           "carried": 7,
+          "mean_length": 0.203883,
+          "max_length": 1,
           "moving_seconds": 42.0,
-          "energy_kwh": 0.001166667
+          "energy_kwh": 0.001166667,
+          "energy_by_state_kwh": {
+            "moving": 0.001166667,
+            "standing": 0.0
+          }
         }
       ],
       "buffers": [],

@@ -204,7 +204,7 @@ fn requirements_speak_of_all_measures() {
         factor(|oee| oee.effectiveness),
         factor(|oee| oee.quality),
         trace.buffers[1].expired as f64,
-        (trace.stations[0].joules + trace.stations[1].joules) / 2.0 / 3.6e6,
+        f64::midpoint(trace.stations[0].joules, trace.stations[1].joules) / 3.6e6,
         belt.joules / 3.6e6,
         belt.length,
         belt.longest as f64,
