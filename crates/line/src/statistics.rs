@@ -602,7 +602,7 @@ mod tests {
         }
         let end = 192.0 * 900.0 + 450.0;
         let over_time = profile.over_time(end, &level);
-        assert_eq!(over_time.bin_seconds, 600.0);
+        assert!((over_time.bin_seconds - 600.0).abs() < 1e-9);
         assert_eq!(over_time.means.len(), 289);
         let third = [1.0, 0.5, 0.0];
         for (bin, mean) in over_time.means.iter().enumerate() {
