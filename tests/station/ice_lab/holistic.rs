@@ -11,6 +11,7 @@
 
 use crate::differential::Random;
 use crate::laboratory::{Controlled, machines};
+use linewright::algebra::proof::completions;
 use linewright::contract::machine::Machine;
 use linewright::diagnostics::has_errors;
 use linewright::engine::files::{self, StandardLibrary};
@@ -214,7 +215,21 @@ fn every_rule_of_the_seven_contracts_is_in_the_holistic_one() {
     assert_eq!(contracts.len(), 7, "{contracts:?}");
     for (index, component) in machine.components.iter().enumerate() {
         let s = &component.specification;
-        let sides = [(&s.assumptions, true), (&s.guarantees, false)];
+        // Where the other guarantees fix each step, `completes` follows from them.
+        let named = |f| Formula {
+            name: "completes".to_owned(),
+            ..f
+        };
+        let follows = completions(s, &Limits::default()).expect("no limit");
+        let follows = Side {
+            justice: follows.into_iter().map(named).collect(),
+            ..Side::default()
+        };
+        let sides = [
+            (&s.assumptions, true),
+            (&s.guarantees, false),
+            (&follows, false),
+        ];
         for (side, is_assumption) in sides {
             for ((rule, kind), expr) in rules(side) {
                 let name = format!("{}_{rule}", component.name);

@@ -34,8 +34,8 @@ mod prover;
 
 pub use book::{last_step, latest};
 
-use super::system::{ContractSide, FormulaRef, System};
-use linewright_core::gr1::{Formula, Side, VarId};
+use super::system::{Component, ContractSide, FormulaRef, System};
+use linewright_core::gr1::{Formula, Side, Specification, VarId};
 use linewright_solver::game::{Lasso, Limit, Limits};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -199,6 +199,34 @@ impl Proof {
     pub fn holds(&self) -> bool {
         self.open.is_empty() && self.loops.is_empty() && self.cycles.is_empty()
     }
+}
+
+/// Returns the completions of a contract that follow from it: formulas that hold infinitely often,
+/// over the contract's variables. See [`Component::completions`].
+///
+/// # Errors
+/// When a limit was reached.
+pub fn completions(specification: &Specification, limits: &Limits) -> Result<Vec<Formula>, Limit> {
+    let mut component = Component::of(specification);
+    let justice = std::mem::take(&mut component.completions).justice;
+    if justice.is_empty() {
+        return Ok(justice);
+    }
+    let claim = Claim {
+        given: std::mem::take(&mut component.assumptions),
+        goal: Side {
+            justice: justice.clone(),
+            ..Side::default()
+        },
+        ..Claim::default()
+    };
+    let system = System {
+        variables: specification.variables.clone(),
+        components: vec![component],
+    };
+    let proof = decide(&system, &claim, limits)?;
+    let followed = proof.discharges.iter().map(|d| d.what.index);
+    Ok(followed.map(|index| justice[index].clone()).collect())
 }
 
 /// Proves a claim about a system, or returns counterexamples. Safety of the goal is proved for

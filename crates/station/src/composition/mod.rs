@@ -12,10 +12,11 @@
 //!   because it proceeds step by step and no step contains a loop (Abadi and Lamport, Conjoining
 //!   Specifications, 1995).
 //! - **Justice assumptions.** Whenever a justice assumption of the coordinator does not hold, it
-//!   must hold in the next step, or one fixed action must have a justice guarantee that implies it.
-//!   A justice assumption of an action must follow from the step alone or from a signal's script.
-//!   Any other assumption gives a warning, because it might hold for a more complex reason. The
-//!   proofs are not circular (McMillan, Circular Compositional Reasoning about Liveness, 1999).
+//!   must hold in the next step, or one fixed action must have a justice guarantee that implies it,
+//!   or a contract from which such a formula follows. A justice assumption of an action must follow
+//!   from the step alone or from a signal's script. Any other assumption gives a warning, because
+//!   it might hold for a more complex reason. The proofs are not circular (McMillan, Circular
+//!   Compositional Reasoning about Liveness, 1999).
 //! - **Operations.** From every state in which the coordinator accepts an operation, every fair run
 //!   reaches `done` and executes exactly the actions that the operation names.
 //!

@@ -2,8 +2,10 @@
 
 use super::query::{Answer, Question, Values};
 use super::{Discharger, over_wires, support};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, Time, VarId};
+use linewright_algebra::proof::completions;
+use linewright_core::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
 use linewright_language::contract::machine::{Machine, PlantSource};
+use linewright_solver::game::{Budget, Limits};
 use linewright_solver::mealy;
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
@@ -26,6 +28,19 @@ pub struct Step {
     pub transition: usize,
 }
 
+/// Returns for each component what holds infinitely often by its contract. If a limit is reached
+/// before it is known what follows from a contract, only its guarantees count.
+fn recurring(machine: &Machine) -> Vec<Vec<Formula>> {
+    let limits = Limits::default().with_budget(Budget::MACHINE);
+    let of = |specification: &Specification| {
+        let mut found = specification.guarantees.justice.clone();
+        found.extend(completions(specification, &limits).unwrap_or_default());
+        found
+    };
+    let components = machine.components.iter();
+    components.map(|c| of(&c.specification)).collect()
+}
+
 /// The walk over a machine's coordinator.
 pub struct Walk<'a> {
     /// The machine.
@@ -35,6 +50,8 @@ pub struct Walk<'a> {
     /// For each component, the invariants and the safety formulas of its guarantees, over wires.
     invariants: Vec<Vec<Expr>>,
     safeties: Vec<Vec<Expr>>,
+    /// For each component, its justice guarantees and what else recurs by its contract.
+    recurring: Vec<Vec<Formula>>,
     /// Cached answers: many states lead to the same question about the actions.
     answers: RefCell<HashMap<(Expr, Vec<Expr>), Answer>>,
 }
@@ -58,6 +75,7 @@ impl<'a> Walk<'a> {
             reachable: BTreeSet::from([Node::Start]),
             invariants: lists(|s| &s.invariants),
             safeties: lists(|s| &s.safety),
+            recurring: recurring(machine),
             answers: RefCell::default(),
         };
         let mut open = vec![Node::Start];
@@ -450,13 +468,13 @@ impl<'a> Walk<'a> {
         self.ask(index, &question) == Answer::Holds
     }
 
-    /// Returns the names of the actions' justice guarantees that imply the goal at a node, each by
-    /// itself.
+    /// Returns the names of the actions' justice guarantees, and of what else recurs by their
+    /// contracts, that imply the goal at a node, each by itself.
     fn implying_guarantees(&self, node: Node, goal: &Expr) -> Vec<String> {
         let mut found = Vec::new();
         let goal = self.fix(goal, node, None);
         for (i, component) in self.machine.components.iter().enumerate().skip(1) {
-            for guarantee in &component.specification.guarantees.justice {
+            for guarantee in &self.recurring[i] {
                 let guaranteed = over_wires(self.machine, i, &guarantee.expr);
                 let question = Question {
                     hypotheses: vec![self.fix(&guaranteed, node, None)],

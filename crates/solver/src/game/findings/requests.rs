@@ -42,7 +42,8 @@ pub fn uncompleted<K: Kernel>(
 ) -> Result<Vec<Request>, Limit> {
     let m = &arena.kernel;
     let mut found = Vec::new();
-    for mut request in declared_requests(specification) {
+    let plain = |r: &Request| r.done == Expr::now(r.output);
+    for mut request in declared_requests(specification).into_iter().filter(plain) {
         let up = arena.encoding.formula(m, &request.request)?;
         let done = arena.encoding.formula(m, &request.done)?;
         let waiting = m.and_not(&up, &done)?;
@@ -89,7 +90,9 @@ fn names_exception<K: Kernel>(
     Ok(false)
 }
 
-/// Returns the requests that a specification declares, without a verdict on them.
+/// Returns the requests that a specification declares, without a verdict on them. In place of D,
+/// an assumption that a request is held may have any condition about outputs, as in
+/// `always (R and verdict = none -> next R)`.
 #[must_use]
 pub fn declared_requests(specification: &Specification) -> Vec<Request> {
     let mut found: Vec<Request> = Vec::new();
@@ -98,10 +101,10 @@ pub fn declared_requests(specification: &Specification) -> Vec<Request> {
             continue;
         }
         for part in formula.expr.conjuncts() {
-            if let Some((request, output)) = held(specification, part) {
+            if let Some((request, done, output)) = held(specification, part) {
                 found.push(Request {
                     request,
-                    done: Expr::now(output),
+                    done,
                     output,
                     held_by: Some(assumption),
                     enforceable: false,
@@ -144,26 +147,23 @@ pub fn declared_requests(specification: &Specification) -> Vec<Request> {
     found
 }
 
-/// Returns R and the output D of a formula `R and not D -> next R`; `None` for any other formula.
-fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
+/// Returns R, D and the output of a formula `R and not D -> next R`; `None` for any other formula.
+fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, Expr, VarId)> {
     let Expr::Binary(BinaryOp::Implies, before, after) = expr else {
         return None;
     };
     let mut done = None;
     let mut request: Vec<Expr> = Vec::new();
     for part in before.conjuncts() {
-        match part {
-            Expr::Unary(UnaryOp::Not, inner) => {
-                if let Expr::Var(v, Time::Now) = **inner
-                    && specification.variable(v).owner == Owner::System
-                    && done.is_none()
-                {
-                    done = Some(v);
-                    continue;
-                }
-                request.push(part.clone());
+        match output_of(specification, part) {
+            Some(output) if done.is_none() => {
+                let is_done = match part {
+                    Expr::Unary(UnaryOp::Not, inner) => (**inner).clone(),
+                    other => other.clone().not(),
+                };
+                done = Some((is_done, output));
             }
-            other => request.push(other.clone()),
+            _ => request.push(part.clone()),
         }
     }
     let held_parts = after.conjuncts();
@@ -180,5 +180,16 @@ fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
         return None;
     }
     let request = request.into_iter().reduce(Expr::and)?;
-    Some((request, done?))
+    let (done, output) = done?;
+    Some((request, done, output))
+}
+
+/// Returns an output that a condition mentions, if it mentions current values of outputs only.
+fn output_of(specification: &Specification, condition: &Expr) -> Option<VarId> {
+    let (mut output, mut is_about_outputs) = (None, true);
+    condition.for_each_var(&mut |v, t| {
+        output = output.or(Some(v));
+        is_about_outputs &= t == Time::Now && specification.variable(v).owner == Owner::System;
+    });
+    output.filter(|_| is_about_outputs)
 }
