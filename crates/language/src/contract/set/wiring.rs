@@ -41,13 +41,11 @@ impl Slots<'_> {
                 self.number_in(format!("{of}.when"), when);
             }
             for binding in &mut component.bindings {
-                let mut input = binding.name.text.clone();
-                if let Some(index) = binding.index {
-                    input += &format!("[{index}]");
-                }
-                if let Some(member) = &binding.member {
-                    input += &format!(".{}", member.text);
-                }
+                let index = binding.index.map(|index| format!("[{index}]"));
+                let member = binding.member.as_ref();
+                let member = member.map(|member| format!(".{}", member.text));
+                let input = [Some(binding.name.text.clone()), index, member];
+                let input = input.into_iter().flatten().collect::<String>();
                 self.number_in(format!("{of}.{input}"), &mut binding.value);
             }
         }
