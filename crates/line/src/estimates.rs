@@ -1,7 +1,7 @@
 //! Estimates of all measures, over replications or over the batches of a run.
 
 use super::batches::{self, PlaceFigures};
-use super::metric::{JOULES_PER_KWH, measure};
+use super::metric::{Figures as _, JOULES_PER_KWH, measure};
 use super::replicate::Estimate;
 use super::trace::{StateJoules, Trace, WaitKind};
 use linewright_language::contract::line::{Line, NodeKind};
@@ -130,7 +130,8 @@ pub(super) fn of_runs(line: &Line, traces: &[Trace]) -> Vec<Estimated> {
         return Vec::new();
     }
     let estimate = |subject: Subject, value: &dyn Fn(&Trace) -> Option<f64>| {
-        let values: Vec<f64> = traces.iter().filter_map(value).collect();
+        let counted = traces.iter().filter(|trace| trace.has_counted());
+        let values: Vec<f64> = counted.filter_map(value).collect();
         Estimated {
             subject,
             value: Estimate::of(&values),

@@ -12,6 +12,10 @@ pub const JOULES_PER_KWH: f64 = 3.6e6;
 
 /// What metrics are taken from: a run, or a batch of it.
 pub trait Figures {
+    /// Whether anything was counted: not in a run that ended during its warm-up.
+    fn has_counted(&self) -> bool {
+        true
+    }
     /// Value of a metric of the whole line, in its unit; `None` if there was nothing to measure.
     fn of_line(&self, metric: &Metric) -> Option<f64>;
     /// Value of a metric of an end product.
@@ -23,6 +27,10 @@ pub trait Figures {
 /// Value of a metric in its unit; `None` if there was nothing to measure, such as the lead time in
 /// a run without products. Of several places it is the mean over those that have a value.
 pub fn measure(metric: &Metric, figures: &impl Figures) -> Option<f64> {
+    // Violations count from the start.
+    if !figures.has_counted() && metric.measure != Measure::Violations {
+        return None;
+    }
     if let Some(product) = metric.product {
         return figures.of_product(metric, product);
     }
@@ -76,6 +84,10 @@ pub(super) fn of_lead_time(
 }
 
 impl Figures for Trace {
+    fn has_counted(&self) -> bool {
+        self.warm_up <= 0.0 || self.seconds > self.warm_up
+    }
+
     fn of_line(&self, metric: &Metric) -> Option<f64> {
         of_line(metric, self)
     }

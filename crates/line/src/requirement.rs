@@ -66,7 +66,11 @@ fn is(metric: &Metric, value: Option<f64>) -> String {
     if let Some(value) = value {
         return format!("is {}", readable(value));
     }
-    let why = metric.measure.info().absent.unwrap_or("nothing was there");
+    let why = metric
+        .measure
+        .info()
+        .absent
+        .unwrap_or("nothing was counted");
     format!("was not measured, since {why}")
 }
 

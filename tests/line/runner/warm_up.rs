@@ -141,6 +141,33 @@ fn batches_begin_after_a_warm_up_by_products() {
     assert_eq!(seconds, [150.0, 150.0]);
 }
 
+/// A run that ends during its warm-up has measured nothing, so it meets no requirement and is not
+/// part of any mean.
+#[test]
+fn a_run_that_ends_during_its_warm_up_has_no_values() {
+    let text = LINE.trim_end().strip_suffix('}').expect("a line");
+    let text = format!("{text}    requirement few: wip <= 1000\n}}\n");
+    let options = |warm_up_products| Options {
+        until: Some(330.0),
+        warm_up_products,
+        ..Options::default()
+    };
+    let judged = |warm_up_products| {
+        let trace = run(&text, options(warm_up_products));
+        (trace.requirements[0].value, trace.requirements[0].holds)
+    };
+    assert!(judged(5).1);
+    assert_eq!(judged(1000), (None, false));
+    let means = |warm_up_products| {
+        let mut plant = plant_of(&text, options(warm_up_products));
+        plant.replicate(2).1
+    };
+    let all = means(1000);
+    assert_eq!(all.throughput_per_hour, None);
+    assert!(all.measures.iter().all(|of| of.value.is_none()));
+    assert!(means(5).throughput_per_hour.is_some());
+}
+
 #[test]
 fn a_run_with_too_few_products_for_its_warm_up_says_so() {
     let text = LINE.replace("every 10 s", "every 10 s limit 2");
