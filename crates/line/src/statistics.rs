@@ -91,20 +91,16 @@ impl Clock {
     /// The energy of a station by state: `joules` in all, of which the idle power outside work is
     /// divided. `visited` states whether any part ever reached the station.
     pub(super) fn energy(&self, joules: f64, idle_watts: f64, visited: bool) -> StateJoules {
-        let idle = |activity| idle_watts * self.seconds(activity);
-        let mut energy = StateJoules {
+        let shares = self.shares(visited);
+        let idle = |share: f64| idle_watts * self.total() * share;
+        StateJoules {
             busy: (joules - idle_watts * self.outside_work()).max(0.0),
-            starved: idle(Activity::Starved),
-            blocked: idle(Activity::Blocked),
-            failed: idle(Activity::Failed) + idle(Activity::FailedOffShift),
-            idle: idle(Activity::Idle),
-            setup: idle(Activity::Setup),
-        };
-        if !visited {
-            energy.idle += energy.starved;
-            energy.starved = 0.0;
+            starved: idle(shares.starved),
+            blocked: idle(shares.blocked),
+            failed: idle(shares.failed),
+            idle: idle(shares.idle),
+            setup: idle(shares.setup),
         }
-        energy
     }
 
     /// Shares of the total booked time. `visited` states whether any part ever reached the station.
