@@ -78,7 +78,9 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     let how = if trace.warm_up_found {
         " (by MSER-5)".to_owned()
     } else if trace.warm_up_products > 0 {
-        format!(" (until {} products)", trace.warm_up_products)
+        let wanted = trace.warm_up_products;
+        let plural = if wanted == 1 { "" } else { "s" };
+        format!(" (until {wanted} product{plural})")
     } else {
         String::new()
     };
