@@ -30,6 +30,8 @@ fn most_mistakes(name: &str, known: &str) -> usize {
 /// What [`Letters`] say of two names.
 #[derive(Debug, Clone, Copy)]
 struct MayBe {
+    /// The same letters, joined to words in another way.
+    same: bool,
     misspelt: bool,
     similar: bool,
 }
@@ -83,18 +85,25 @@ impl Letters {
         } else {
             (known, self)
         };
-        let changed = (self.all ^ known.all).count_ones() as usize;
+        let only = |a: u64, b: u64| (a & !b).count_ones() as usize;
+        let (added, removed) = (only(known.all, self.all), only(self.all, known.all));
         let may_be = MayBe {
-            misspelt: self.chars.abs_diff(known.chars) <= few && changed <= 2 * few,
+            same: self.all == known.all,
+            misspelt: self.chars.abs_diff(known.chars) <= few && added.max(removed) <= few,
             similar: short.initials & !long.initials == 0,
         };
-        (may_be.misspelt || may_be.similar || self.all == known.all).then_some(may_be)
+        (may_be.same || may_be.misspelt || may_be.similar).then_some(may_be)
     }
 }
 
 /// Ranks a known name by the way in which it differs from `name`, then by how much; `None` if it is
 /// not close.
 fn rank(name: &str, name_words: &[String], known: &str, may_be: MayBe) -> Option<(u8, usize)> {
+    let mistakes = may_be.misspelt.then(|| edit_distance(name, known));
+    let mistakes = mistakes.filter(|mistakes| *mistakes <= most_mistakes(name, known));
+    if mistakes.is_none() && !may_be.similar && !may_be.same {
+        return None;
+    }
     let words = words(known);
     if !name_words.is_empty() && name_words.concat() == words.concat() {
         return Some((0, edit_distance(name, known)));
@@ -102,11 +111,8 @@ fn rank(name: &str, name_words: &[String], known: &str, may_be: MayBe) -> Option
     if differ_in_numbers_only(name_words, &words) {
         return None;
     }
-    if may_be.misspelt {
-        let mistakes = edit_distance(name, known);
-        if mistakes <= most_mistakes(name, known) {
-            return Some((1, mistakes));
-        }
+    if let Some(mistakes) = mistakes {
+        return Some((1, mistakes));
     }
     if !may_be.similar {
         return None;
@@ -342,6 +348,7 @@ mod tests {
             }
         }
         let any = MayBe {
+            same: true,
             misspelt: true,
             similar: true,
         };
