@@ -78,6 +78,19 @@ mod bounds {
         text + "  output y: bool\n  guarantee always y\n}\n"
     }
 
+    /// A contract whose inputs have types that are misspelt, each of another type.
+    fn misspelt_names(types: usize) -> String {
+        let mut text = String::new();
+        for i in 0..types {
+            let _ = writeln!(text, "type Signal{i}Kind = {{on{i}, off{i}}}");
+        }
+        text += "contract Misspelt {\n";
+        for i in 0..types {
+            let _ = writeln!(text, "  input x{i}: Signol{i}Kind");
+        }
+        text + "  output y: bool\n  guarantee always y\n}\n"
+    }
+
     /// A contract that says the same many times.
     fn repeated_guarantees(count: usize) -> String {
         let repeated = "  guarantee always y\n".repeat(count);
@@ -124,6 +137,7 @@ mod bounds {
         let deep = folder.write("deep.lw", &nested_records(20));
         let deeper = folder.write("deeper.lw", &nested_records(24));
         let many = folder.write("many.lw", &similar_names(10_000));
+        let misspelt = folder.write("misspelt.lw", &misspelt_names(5_000));
         let lost = folder.write("elevator.spectra", &elevator(4, 1, Some(19)));
         let genbuf7 = folder.write("genbuf7.slugsin", &genbuf(7, Format::Slugsin));
         let genbuf40 = folder.write("genbuf40.slugsin", &genbuf(40, Format::Slugsin));
@@ -154,6 +168,7 @@ mod bounds {
             folder.case("records, 20 levels", &bounded, &deep, (3.0, 200.0, 1)),
             folder.case("records, 24 levels", &bounded, &deeper, (3.0, 200.0, 1)),
             folder.case("10,000 similar names", &bounded, &many, (3.0, 200.0, 0)),
+            folder.case("5,000 misspelt names", &bounded, &misspelt, (3.0, 200.0, 2)),
             folder.case("200,000 lines, 100 MiB", &small, &long, (3.0, 110.0, 3)),
             folder.case("genbuf200, 50 MiB", &smaller, &genbuf200, (10.0, 60.0, 3)),
             folder.case("arm, C, 200 MiB", &written_small, &sum, (20.0, 220.0, 3)),

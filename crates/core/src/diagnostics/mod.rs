@@ -15,7 +15,7 @@ pub mod sarif;
 
 use crate::source::Span;
 pub use codes::Code;
-pub use nearest::{edit_distance, nearest, word_similarity, words};
+pub use nearest::{Spelling, edit_distance, nearest, word_similarity, words};
 
 /// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -5,26 +5,121 @@
 //! `cmd` for `command`). The first two are typing mistakes. The third is a guess, so it is tried
 //! last, and only whole words and common engineering abbreviations count.
 
+use rapidfuzz::distance::osa;
+use std::cell::OnceCell;
+
 /// Maximum length of a compared name, in bytes. Longer names are not compared, because they are not
 /// typing mistakes.
 const MAX_NAME_LENGTH: usize = 256;
 
-/// Returns the known name closest to an unknown one, if any is close.
+/// Returns the known name closest to an unknown one, if any is close. Each known name is only
+/// compared as far as it may be closer than the best one before it.
 pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    if name.len() > MAX_NAME_LENGTH {
-        return None;
+    let name = Spelling::of(name);
+    let mut best: Option<(Rank, &str)> = None;
+    for k in known {
+        let most = best.map_or(Rank::MOST, |(rank, _)| rank);
+        if let Some(rank) = name.rank(&Spelling::of(k), most) {
+            best = Some(best.map_or((rank, k), |best| best.min((rank, k))));
+        }
     }
-    let (letters, name_words) = (Letters::of(name), words(name));
-    let ranked = known.filter_map(|k| {
-        let may_be = letters.compare(&Letters::of(k), most_mistakes(name, k));
-        Some((rank(name, &name_words, k, may_be?)?, k))
-    });
-    ranked.min().map(|(_, k)| k)
+    best.map(|(_, k)| k)
 }
 
-/// Returns how many typing mistakes a known name may be away.
-fn most_mistakes(name: &str, known: &str) -> usize {
-    name.len().min(known.len()).div_ceil(4).min(name.len() / 2)
+/// A name and what its comparison with other names needs. Where many names are compared with many
+/// others, each is spelled once.
+pub struct Spelling<'n> {
+    name: &'n str,
+    letters: Letters,
+    words: OnceCell<Vec<String>>,
+    edits: OnceCell<osa::BatchComparator<char>>,
+}
+
+impl<'n> Spelling<'n> {
+    /// Reads a name. Linear in its length.
+    pub fn of(name: &'n str) -> Self {
+        Self {
+            name,
+            letters: Letters::of(name),
+            words: OnceCell::new(),
+            edits: OnceCell::new(),
+        }
+    }
+
+    /// Returns whether this unknown name may be meant for a known one, as [`nearest`] judges it.
+    pub fn is_close(&self, known: &Self) -> bool {
+        self.rank(known, Rank::MOST).is_some()
+    }
+
+    fn words(&self) -> &[String] {
+        self.words.get_or_init(|| words(self.name))
+    }
+
+    /// Returns the edit distance to another name, or `None` if it is greater than `most`.
+    fn edits(&self, other: &str, most: usize) -> Option<usize> {
+        let new = || osa::BatchComparator::new(self.name.chars());
+        let edits = self.edits.get_or_init(new);
+        edits.distance_with_args(other.chars(), &osa::Args::default().score_cutoff(most))
+    }
+
+    /// Ranks a known name by the way in which it differs from this one, then by how much; `None` if
+    /// it is not close, or less close than `most`.
+    fn rank(&self, known: &Self, most: Rank) -> Option<Rank> {
+        if self.name.len() > MAX_NAME_LENGTH {
+            return None;
+        }
+        let mistakes = most.mistakes(self.name, known.name);
+        let may_be = self.letters.compare(&known.letters, mistakes);
+        self.rank_as(known, most, may_be)
+    }
+
+    /// Ranks a known name in those ways in which it may differ.
+    fn rank_as(&self, known: &Self, most: Rank, may_be: MayBe) -> Option<Rank> {
+        let same = may_be.same && self.letters.words > 0;
+        if same && lower_case(self.name).eq(lower_case(known.name)) {
+            return Some(Rank::Joined(edit_distance(self.name, known.name)));
+        }
+        let misspelt = may_be
+            .misspelt
+            .then(|| self.edits(known.name, most.mistakes(self.name, known.name)));
+        let mistakes = misspelt.flatten();
+        let similar = may_be.similar && matches!(most, Rank::Similar(_));
+        if mistakes.is_none() && !similar || differ_in_numbers_only(self.words(), known.words()) {
+            return None;
+        }
+        if let Some(mistakes) = mistakes {
+            return Some(Rank::Misspelt(mistakes));
+        }
+        let similarity = word_similarity(self.words(), known.words())?;
+        let length: usize = known.words().iter().map(String::len).sum();
+        Some(Rank::Similar(similarity.words.len() * 100 + length))
+    }
+}
+
+/// How close a known name is, the closest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    /// The same letters, joined to words in another way, with the edit distance.
+    Joined(usize),
+    /// Misspelt, with the number of typing mistakes.
+    Misspelt(usize),
+    /// Similar words, with what the longer name has in addition.
+    Similar(usize),
+}
+
+impl Rank {
+    /// As far as any name may be.
+    const MOST: Self = Self::Similar(usize::MAX);
+
+    /// Returns how many typing mistakes a known name may be away that is at least as close.
+    fn mistakes(self, name: &str, known: &str) -> usize {
+        let few = name.len().min(known.len()).div_ceil(4).min(name.len() / 2);
+        match self {
+            Self::Joined(_) => 0,
+            Self::Misspelt(most) => few.min(most),
+            Self::Similar(_) => few,
+        }
+    }
 }
 
 /// What [`Letters`] say of two names.
@@ -45,41 +140,69 @@ struct Letters {
     all: u64,
     /// Those with which its words begin.
     initials: u64,
+    /// The last byte of the letter with which each of its first [`Letters::IN_ORDER`] words begins.
+    in_order: u128,
     words: usize,
     chars: usize,
 }
 
 impl Letters {
+    /// How many words are compared in order.
+    const IN_ORDER: usize = 16;
+
     fn of(name: &str) -> Self {
         let mut found = Self {
             all: 0,
             initials: 0,
+            in_order: 0,
             words: 0,
             chars: 0,
         };
         for (c, begins) in letters(name) {
             found.chars += 1;
             let Some(begins) = begins else { continue };
-            for (index, c) in c.to_lowercase().enumerate() {
-                let bit = match c {
-                    'a'..='z' => c as u32 - 'a' as u32,
-                    '0'..='9' => 32 + c as u32 - '0' as u32,
-                    _ => 63,
-                };
-                found.all |= 1 << bit;
-                if begins && index == 0 {
-                    found.initials |= 1 << bit;
+            let first = if c.is_ascii() {
+                c.to_ascii_lowercase()
+            } else {
+                found.all |= c.to_lowercase().fold(0, |all, c| all | Self::bit(c));
+                c.to_lowercase().next().unwrap_or(c)
+            };
+            found.all |= Self::bit(first);
+            if begins {
+                found.initials |= Self::bit(first);
+                if found.words < Self::IN_ORDER {
+                    let byte = u128::from(u32::from(first) & 0xff);
+                    found.in_order |= byte << (8 * found.words);
                 }
+                found.words += 1;
             }
-            found.words += usize::from(begins);
         }
         found
     }
 
-    /// Compares an unknown name with a known one, given how many typing mistakes count as few.
-    /// `None` if they cannot be close. A mistake adds and removes at most one letter; similar names
-    /// have words that begin alike (see [`same`]).
-    fn compare(&self, known: &Self, few: usize) -> Option<MayBe> {
+    /// The bit of a letter in lower case.
+    fn bit(c: char) -> u64 {
+        match c {
+            'a'..='z' => 1 << (c as u32 - 'a' as u32),
+            '0'..='9' => 1 << (32 + c as u32 - '0' as u32),
+            _ => 1 << 63,
+        }
+    }
+
+    /// Returns whether a longer name may begin or end with the words of this one, or have the same
+    /// words in another order.
+    fn may_begin_or_end(&self, long: &Self) -> bool {
+        if long.words > Self::IN_ORDER || self.words == long.words {
+            return true;
+        }
+        let (extra, mask) = (8 * (long.words - self.words), (1 << (8 * self.words)) - 1);
+        long.in_order & mask == self.in_order || long.in_order >> extra == self.in_order
+    }
+
+    /// Returns in which ways a known name may be close to an unknown one, given how many typing
+    /// mistakes count as few. A mistake adds and removes at most one letter; similar names have
+    /// words that begin alike (see [`same`]).
+    fn compare(&self, known: &Self, few: usize) -> MayBe {
         let (short, long) = if self.words <= known.words {
             (self, known)
         } else {
@@ -87,53 +210,28 @@ impl Letters {
         };
         let only = |a: u64, b: u64| (a & !b).count_ones() as usize;
         let (added, removed) = (only(known.all, self.all), only(self.all, known.all));
-        let may_be = MayBe {
+        MayBe {
             same: self.all == known.all,
             misspelt: self.chars.abs_diff(known.chars) <= few && added.max(removed) <= few,
-            similar: short.initials & !long.initials == 0,
-        };
-        (may_be.same || may_be.misspelt || may_be.similar).then_some(may_be)
+            similar: short.initials & !long.initials == 0 && short.may_begin_or_end(long),
+        }
     }
 }
 
-/// Ranks a known name by the way in which it differs from `name`, then by how much; `None` if it is
-/// not close.
-fn rank(name: &str, name_words: &[String], known: &str, may_be: MayBe) -> Option<(u8, usize)> {
-    let mistakes = may_be.misspelt.then(|| edit_distance(name, known));
-    let mistakes = mistakes.filter(|mistakes| *mistakes <= most_mistakes(name, known));
-    if mistakes.is_none() && !may_be.similar && !may_be.same {
-        return None;
-    }
-    let words = words(known);
-    if !name_words.is_empty() && name_words.concat() == words.concat() {
-        return Some((0, edit_distance(name, known)));
-    }
-    if differ_in_numbers_only(name_words, &words) {
-        return None;
-    }
-    if let Some(mistakes) = mistakes {
-        return Some((1, mistakes));
-    }
-    if !may_be.similar {
-        return None;
-    }
-    let similarity = word_similarity(name_words, &words)?;
-    Some((2, similarity.words.len() * 100 + words.concat().len()))
+/// Returns the letters and digits of a name in lower case, without what joins its words.
+fn lower_case(name: &str) -> impl Iterator<Item = char> + '_ {
+    let letters = letters(name).filter(|(_, begins)| begins.is_some());
+    letters.flat_map(|(c, _)| c.to_lowercase())
 }
 
 /// Returns whether two names differ only in their numbers: `h1` is not a misspelt `h2`.
 fn differ_in_numbers_only(a: &[String], b: &[String]) -> bool {
-    let number = |w: &&String| w.starts_with(|c: char| c.is_numeric());
-    let numbers = |words: &[String]| words.iter().filter(number).cloned().collect::<Vec<_>>();
-    let others = |words: &[String]| {
-        words
-            .iter()
-            .filter(|w| !number(w))
-            .cloned()
-            .collect::<Vec<_>>()
-    };
-    let (x, y) = (numbers(a), numbers(b));
-    x != y && !x.is_empty() && !y.is_empty() && others(a) == others(b)
+    let is_number = |w: &&String| w.starts_with(|c: char| c.is_numeric());
+    let numbers = |words: &[String]| words.iter().filter(is_number).count();
+    let same_numbers = a.iter().filter(is_number).eq(b.iter().filter(is_number));
+    let others = |w: &&String| !is_number(w);
+    let same_others = a.iter().filter(others).eq(b.iter().filter(others));
+    !same_numbers && same_others && numbers(a) > 0 && numbers(b) > 0
 }
 
 /// Difference between two similar names.
@@ -229,22 +327,7 @@ fn letters(name: &str) -> impl Iterator<Item = (char, Option<bool>)> + '_ {
 /// Returns the edit distance of two names: the number of letters changed, added, omitted or swapped
 /// with their neighbour (optimal string alignment).
 pub fn edit_distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut before: Vec<usize> = Vec::new();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for i in 0..a.len() {
-        let mut next = vec![i + 1];
-        for j in 0..b.len() {
-            let mut least = (row[j] + usize::from(a[i] != b[j])).min(row[j + 1] + 1);
-            least = least.min(next[j] + 1);
-            if i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j] {
-                least = least.min(before[j - 1] + 1);
-            }
-            next.push(least);
-        }
-        before = std::mem::replace(&mut row, next);
-    }
-    row[b.len()]
+    osa::distance(a.chars(), b.chars())
 }
 
 #[cfg(test)]
@@ -256,6 +339,9 @@ mod tests {
         assert_eq!(edit_distance("", "abc"), 3);
         assert_eq!(edit_distance("drehen", "dreehn"), 1);
         assert_eq!(edit_distance("turn", "turn"), 0);
+        assert_eq!(Spelling::of("drehen").edits("dreehn", 1), Some(1));
+        assert_eq!(Spelling::of("drehen").edits("dreehn", 0), None);
+        assert_eq!(Spelling::of("turn").edits("command", 4), None);
     }
 
     #[test]
@@ -354,13 +440,18 @@ mod tests {
         };
         let mut close = 0;
         for name in &names {
-            let (all, words) = (Letters::of(name), words(name));
+            let spelling = Spelling::of(name);
+            let mut best = None;
             for known in &names {
-                let may_be = all.compare(&Letters::of(known), most_mistakes(name, known));
-                let ranked = may_be.and_then(|may_be| rank(name, &words, known, may_be));
-                assert_eq!(ranked, rank(name, &words, known, any), "{name} {known}");
+                let ranked = spelling.rank(&Spelling::of(known), Rank::MOST);
+                let whole = spelling.rank_as(&Spelling::of(known), Rank::MOST, any);
+                assert_eq!(ranked, whole, "{name} {known}");
                 close += usize::from(ranked.is_some());
+                let found = ranked.map(|rank| (rank, known.as_str()));
+                best = best.into_iter().chain(found).min();
             }
+            let found = nearest(name, names.iter().map(String::as_str));
+            assert_eq!(found, best.map(|(_, known)| known), "{name}");
         }
         assert!(close > names.len() && close < names.len() * names.len() / 2);
     }

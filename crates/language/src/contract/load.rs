@@ -9,7 +9,7 @@ use super::table::Tables;
 use super::uses::{self, PossibleUses};
 use super::{Library, Loader, lines, machines, recipes, skills};
 use crate::order::Skills;
-use linewright_core::diagnostics::{Diagnostic, Severity, codes};
+use linewright_core::diagnostics::{Diagnostic, Severity, Spelling, codes};
 use linewright_core::source::{FileId, SourceMap, Span};
 use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
@@ -341,13 +341,16 @@ fn unused(
     let quoted = |code| {
         let of_code = findings.iter().filter(move |f| f.code == code);
         let spans = of_code.filter_map(|f| f.span);
-        spans.map(|span| (sources.text(span), span)).collect()
+        spans.map(|span| (sources.text(span), span))
     };
+    let unknown = quoted(codes::NAME_UNKNOWN);
     let errors = findings.iter().filter(|f| f.severity == Severity::Error);
     let mut doubt = PossibleUses {
         syntax: file.syntax_errors.clone(),
-        unknown: quoted(codes::NAME_UNKNOWN),
-        duplicates: quoted(codes::NAME_DUPLICATE),
+        unknown: unknown
+            .map(|(name, span)| (Spelling::of(name), span))
+            .collect(),
+        duplicates: quoted(codes::NAME_DUPLICATE).collect(),
         errors: errors.filter_map(|f| f.span).collect(),
     };
     let end = sources.file(file.id).text.len();

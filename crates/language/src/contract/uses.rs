@@ -7,7 +7,7 @@
 mod alike;
 mod mentions;
 
-use linewright_core::diagnostics::{Diagnostic, codes, nearest};
+use linewright_core::diagnostics::{Diagnostic, Spelling, codes};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
 pub(super) use mentions::Mentions;
@@ -17,7 +17,7 @@ pub(super) struct PossibleUses<'d> {
     /// Positions of syntax errors.
     pub syntax: Vec<Span>,
     /// Undeclared names and their positions.
-    pub unknown: Vec<(&'d str, Span)>,
+    pub unknown: Vec<(Spelling<'d>, Span)>,
     /// Names that are declared twice, and their positions.
     pub duplicates: Vec<(&'d str, Span)>,
     /// Positions of all errors.
@@ -31,12 +31,12 @@ impl PossibleUses<'_> {
     fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
         let within = |span: &Span| extent.contains(*span);
         let own = name.span.to(end);
-        let meant = |unknown: &str| nearest(unknown, std::iter::once(name.text.as_str())).is_some();
+        let known = Spelling::of(&name.text);
         self.syntax.iter().any(within)
             || self
                 .unknown
                 .iter()
-                .any(|(unknown, span)| within(span) && meant(unknown))
+                .any(|(unknown, span)| within(span) && unknown.is_close(&known))
             || self
                 .duplicates
                 .iter()
