@@ -12,6 +12,7 @@ fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) ->
     let options = Options {
         kernel,
         initial_order: hints.order,
+        is_final_order: hints.is_final,
         initial_region: hints.region,
         ..Options::default()
     };
@@ -83,7 +84,7 @@ fn the_last_region_changes_nothing() {
         let before = solve(&old, kernel, None);
         let version = version(&old, &before);
         let hints = version.hints(&new);
-        assert!(hints.exact && hints.order.is_some());
+        assert!(hints.is_final && hints.order.is_some());
         let invariants_went = old.assumptions.invariants != new.assumptions.invariants;
         assert!(!(invariants_went && hints.region.is_some()), "seed {seed}");
         let fresh = solve(&new, kernel, None);
@@ -151,7 +152,7 @@ fn other_variables_keep_the_order() {
     more.owner = Owner::System;
     new.variables.push(more);
     let hints = version.hints(&new);
-    assert!(!hints.exact && hints.region.is_none());
+    assert!(!hints.is_final && hints.region.is_none());
     let order = hints.order.expect("an order");
     let bits: u32 = new
         .variables

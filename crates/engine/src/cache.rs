@@ -39,6 +39,10 @@ const PROGRAM: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("LINEWRIGHT_S
 /// size is left.
 const MAX_BYTES: u64 = 512 << 20;
 
+/// The order of an earlier version is not improved before the search if one variable in this many
+/// is new, or fewer.
+const FEW_NEW: usize = 10;
+
 /// Maximum number of BDD nodes of a stored winning region; a larger one is not stored.
 const MAX_REGION_NODES: usize = 500_000;
 
@@ -123,8 +127,9 @@ struct Formulas {
 pub struct Hints {
     /// Variable order to start with.
     pub order: Option<Order>,
-    /// Whether the order is for exactly the same variables; then no reordering is needed.
-    pub exact: bool,
+    /// Whether the order is for the same variables, or nearly: then it is not improved before the
+    /// search, which costs more than it is worth.
+    pub is_final: bool,
     /// A set of states that contains the winning region.
     pub region: Option<Diagram>,
 }
@@ -317,17 +322,14 @@ impl Version {
     /// region itself and uses it only if it fits.
     pub fn hints(&self, specification: &Specification) -> Hints {
         if self.variables != variables(specification) {
-            return Hints {
-                order: self.order_by_name(specification),
-                ..Hints::default()
-            };
+            return self.order_by_name(specification);
         }
         let sound = self
             .formulas
             .contain_regions_of(&Formulas::of(specification));
         Hints {
             order: Order::new(self.order.clone()),
-            exact: true,
+            is_final: true,
             region: self.region.as_ref().filter(|_| sound).map(|(nodes, root)| {
                 let nodes = nodes.iter().map(|(bit, high, low)| DiagramNode {
                     bit: Bit(*bit),
@@ -343,8 +345,8 @@ impl Version {
     }
 
     /// Variable order by the names that both versions share; each new variable follows the variable
-    /// declared before it. `None` if fewer than half of the variables are shared.
-    fn order_by_name(&self, specification: &Specification) -> Option<Order> {
+    /// declared before it. No order if fewer than half of the variables are shared.
+    fn order_by_name(&self, specification: &Specification) -> Hints {
         let places: BTreeMap<&str, usize> = self
             .order_of_variables
             .iter()
@@ -352,11 +354,10 @@ impl Version {
             .map(|(place, name)| (name.as_str(), place))
             .collect();
         let variables = &specification.variables;
-        let known = variables
-            .iter()
-            .filter(|v| places.contains_key(v.name.as_str()));
-        if known.count() * 2 < variables.len() {
-            return None;
+        let is_new = |v: &&Variable| !places.contains_key(v.name.as_str());
+        let new = variables.iter().filter(is_new).count();
+        if new * 2 > variables.len() {
+            return Hints::default();
         }
         let mut ranked = Vec::new();
         let mut last = 0;
@@ -365,10 +366,12 @@ impl Version {
             ranked.push((last, index));
         }
         ranked.sort_unstable();
-        linewright_solver::game::order_from_variables(
-            specification,
-            ranked.into_iter().map(|(_, i)| i),
-        )
+        let ranked = ranked.into_iter().map(|(_, i)| i);
+        Hints {
+            order: linewright_solver::game::order_from_variables(specification, ranked),
+            is_final: new * FEW_NEW <= variables.len(),
+            region: None,
+        }
     }
 }
 

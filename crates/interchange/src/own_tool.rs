@@ -35,7 +35,9 @@ pub struct Inquiry {
     topic: Topic,
     format: Format,
     span: Span,
-    /// Specifications to solve. The answer to each is whether it is realizable.
+    /// Specifications to solve. The answer to each is whether it is realizable. Their names are
+    /// not that of the file's specification, under which the cache keeps what the next check of the
+    /// file begins with.
     pub questions: Vec<Specification>,
 }
 
@@ -126,7 +128,7 @@ fn satisfiable<'f>(
         variable.owner = Owner::System;
     }
     Specification {
-        name: specification.name.clone(),
+        name: format!("the start of {}", specification.name),
         timing: Timing::Mealy,
         variables,
         assumptions: Side::default(),
@@ -143,6 +145,7 @@ fn satisfiable<'f>(
 /// system has to copy them.
 fn every_start(specification: &Specification) -> Specification {
     let mut result = specification.clone();
+    result.name = format!("every start of {}", specification.name);
     let mut given: Vec<(VarId, VarId)> = Vec::new();
     for v in specification.outputs() {
         let variable = specification.variable(v);

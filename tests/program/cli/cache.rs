@@ -240,3 +240,31 @@ fn a_place_that_cannot_be_written_is_no_matter() {
     // Only the last one did not name a folder.
     assert!(cfg!(not(target_os = "linux")) || session.path("home/.cache/linewright").is_dir());
 }
+
+/// The questions about the start of a file are answered by games of their own. They are not taken
+/// for its previous version.
+#[test]
+fn a_changed_file_of_another_tool_begins_with_the_results_of_its_last_check() {
+    let session = Session::new();
+    let text = |goals: &str| {
+        let names =
+            |prefix: &str| -> String { (0..30).map(|i| format!("{prefix}{i}\n")).collect() };
+        let copies: String = (0..30).map(|i| format!("! ^ o{i} i{i}\n")).collect();
+        format!(
+            "[INPUT]\n{}[OUTPUT]\n{}[ENV_INIT]\n! i0\n[SYS_TRANS]\n{copies}[SYS_LIVENESS]\n{goals}",
+            names("i"),
+            names("o")
+        )
+    };
+    let check = |goals: &str| {
+        std::fs::write(session.path("copy.slugsin"), text(goals)).expect("the file is written");
+        run(&session, "check --stats copy.slugsin").out
+    };
+    let first = check("| o0 ! o0\n");
+    assert!(!first.contains("began with"), "{first}");
+    let second = check("| o0 ! o0\n| o1 ! o1\n");
+    assert!(
+        second.contains("began with    the order and the winning region of the previous version"),
+        "{second}"
+    );
+}

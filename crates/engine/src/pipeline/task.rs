@@ -174,7 +174,8 @@ impl Task {
         let solved = within("solving the game", || self.play(&hints));
         let mut statistics = Statistics::of_solver(&solved.statistics, specification);
         let large = statistics.large;
-        if large {
+        let is_remembered = large || solved.statistics.is_of_large_kernel();
+        if is_remembered {
             statistics.known_order = hints.order.is_some();
             statistics.known_region = hints.region.is_some();
         }
@@ -197,7 +198,7 @@ impl Task {
         };
         let solved_work = won.as_ref().map_or(0, game::WonGame::work);
         report(known.clone());
-        if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
+        if let (Some(cache), Some(order), true) = (cache, &last_order, is_remembered) {
             let names = &known.statistics.order_after;
             let region = won.as_ref().map(game::WonGame::region);
             cache.store_version(
@@ -294,7 +295,7 @@ impl Task {
             heuristics: self.settings.heuristics,
             without_core: self.job.goal == Goal::Answer,
             initial_order: hints.order.clone(),
-            is_final_order: hints.exact,
+            is_final_order: hints.is_final,
             initial_region: hints.region.clone(),
             progress: Arc::clone(&self.solve),
         };
