@@ -28,6 +28,17 @@ pub enum Bottleneck {
     Station(Candidate),
     /// One of several stations, which are nearly equal.
     Undecided(Vec<Candidate>),
+    /// Nothing that could be measured: places whose parts wait for one another for ever.
+    Deadlock(Deadlock),
+}
+
+/// Parts that wait for one another for ever.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deadlock {
+    /// Names of the places, each of which waits for the next one, and the last for the first.
+    pub places: Vec<String>,
+    /// Time at which it began, in seconds.
+    pub since: f64,
 }
 
 /// A station, or several that are alike.

@@ -80,7 +80,7 @@ mod undecided;
 mod validate;
 
 pub use batches::{Batch, Batches};
-pub use bottleneck::{Bottleneck, Candidate};
+pub use bottleneck::{Bottleneck, Candidate, Deadlock};
 use linewright_core::deadline::Deadline;
 pub use log::Observer;
 pub use monitor::Monitor;

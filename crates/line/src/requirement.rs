@@ -499,6 +499,11 @@ fn bottleneck(line: &Line, bottleneck: &Bottleneck) -> Option<String> {
             "The line took in all that {} brought",
             names.join(" and ")
         )),
+        Bottleneck::Deadlock(deadlock) => Some(format!(
+            "{} of {} wait for one another for ever",
+            deadlock.places.join(" and "),
+            line.name
+        )),
         Bottleneck::Undecided(stations) => {
             let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
             Some(format!(

@@ -253,6 +253,11 @@ impl Level {
         self.now
     }
 
+    /// Whether the number is the capacity, or above it.
+    pub(super) fn is_full(&self) -> bool {
+        self.now >= self.capacity
+    }
+
     /// The integral over time, up to the last change.
     pub(super) fn area(&self) -> f64 {
         self.area

@@ -359,8 +359,20 @@ fn limited_by(bottleneck: &Bottleneck) -> Value {
             "undecided",
             stations.iter().map(|s| s.name.as_str()).collect(),
         ),
+        Bottleneck::Deadlock(deadlock) => (
+            "deadlock",
+            deadlock.places.iter().map(String::as_str).collect(),
+        ),
     };
-    json!({ "kind": kind, "places": places })
+    let since = match bottleneck {
+        Bottleneck::Deadlock(deadlock) => Some(round(deadlock.since, 6)),
+        _ => None,
+    };
+    let mut document = json!({ "kind": kind, "places": places });
+    if let Some(since) = since {
+        document["since_seconds"] = json!(since);
+    }
+    document
 }
 
 fn source(source: &SourceStatistics) -> Value {

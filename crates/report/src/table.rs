@@ -788,6 +788,11 @@ pub(super) fn bottleneck(bottleneck: &Bottleneck) -> String {
                 None => format!("{word} {sources}, where parts do not wait"),
             }
         }
+        Bottleneck::Deadlock(deadlock) => format!(
+            "undecided: deadlock of {} since {}",
+            deadlock.places.join(", "),
+            clock(deadlock.since)
+        ),
         Bottleneck::Undecided(stations) => {
             let stations: Vec<String> = stations.iter().map(engaged).collect();
             format!("undecided: {}", stations.join(", "))

@@ -1,11 +1,11 @@
 //! Lines that stand still, and their findings.
 
-use crate::models::{Builder, Shift1, constant, every, refusing};
+use crate::models::{Builder, Shift1, constant, every, plant_of, refusing};
 use linewright::contract::line::{InitialValue, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, Severity};
-use linewright::line::{End, Options, Trace};
+use linewright::line::{Bottleneck, End, Options, Trace};
 use std::time::Duration;
 
 fn text(trace: &Trace) -> String {
@@ -255,4 +255,126 @@ fn a_source_paused_by_its_limit_is_named() {
     let finding = &trace.findings[0];
     let note = "source makes no part while 1 Raw are in the line or held by a source";
     assert!(finding.notes.iter().any(|n| n == note), "{finding:?}");
+}
+
+/// Rework that fills the loop of `x` and `y`, and other parts of the line that go on.
+const LOOP: &str = "part P { property rounds: 0..9 = 0 }
+    station x { takes 2 s sets rounds = min(rounds + 1, 9) }
+    station y { takes 1 s }
+    sink k
+    route P: a -> x
+    route P: x -> y when rounds <= 2
+    route P: x -> k otherwise
+    route P: y -> x";
+
+fn run_text(body: &str, parts: Option<u64>, until: Option<f64>) -> Trace {
+    let options = Options {
+        parts,
+        until,
+        ..Options::default()
+    };
+    plant_of(&format!("line L {{ {body} }}"), options).run()
+}
+
+/// The deadlock that a run found, as places and the time since when it lasts.
+fn deadlock(trace: &Trace) -> Option<(Vec<&str>, f64)> {
+    match &trace.bottleneck {
+        Bottleneck::Deadlock(deadlock) => {
+            let places = deadlock.places.iter().map(String::as_str);
+            Some((places.collect(), deadlock.since))
+        }
+        _ => None,
+    }
+}
+
+/// The first part comes back to `x` while the second is there: from 3 s on, nothing but the source
+/// moves, whose parts are lost.
+#[test]
+fn a_deadlock_is_found_while_a_source_overflows() {
+    let overflow = LOOP.replace(
+        "route P: a -> x",
+        "buffer q capacity 3 sink lost rejects
+         source a: P every 2 s
+         route P: a -> q when full -> lost
+         route P: q -> x",
+    );
+    let trace = run_text(&overflow, None, Some(7200.0));
+    assert_eq!((trace.end, trace.products), (End::Time, 0));
+    assert_eq!(deadlock(&trace), Some((vec!["x", "y"], 4.0)));
+    insta::assert_snapshot!(text(&trace), @"");
+    // A run that waits for products ends long before five million events.
+    let trace = run_text(&overflow, Some(10), None);
+    assert_eq!((trace.end, trace.products), (End::Blocked, 0));
+    assert!(trace.events < 200_000);
+    assert_eq!(deadlock(&trace), Some((vec!["x", "y"], 4.0)));
+    insta::assert_snapshot!(text(&trace), @"");
+}
+
+/// What goes on is the shelf life of a buffer before the deadlock, shifts and failures elsewhere,
+/// or a branch that makes products.
+#[test]
+fn a_deadlock_is_found_whatever_goes_on() {
+    let expiring = LOOP.replace(
+        "route P: a -> x",
+        "source a: P every 2 s
+         buffer q capacity 3 shelf life 10 s
+         route P: a -> q -> x",
+    );
+    let branch = format!(
+        "part Q source b: Q every 5 s station z {{ takes 4 s failures mtbf 1 min mttr 10 s shift 8 h to 16 h }}
+         source a: P every 2 s
+         {LOOP}
+         route Q: b -> z -> k
+         product P, Q"
+    );
+    for (body, products) in [(expiring, 0..1), (branch, 1..9999)] {
+        let trace = run_text(&body, None, Some(86_400.0));
+        assert_eq!(trace.end, End::Time);
+        assert!(products.contains(&trace.products), "{}", trace.products);
+        let found = deadlock(&trace);
+        assert_eq!(found.map(|(places, _)| places), Some(vec!["x", "y"]), "{body}");
+        let errors = trace.findings.iter().filter(|f| f.severity == Severity::Error);
+        assert_eq!(errors.map(|f| f.code.id).collect::<Vec<_>>(), ["LW403"]);
+    }
+}
+
+/// Parts that only wait long do not count: for a repair, a shift, the end of a rest, a part that a
+/// station lacks and that is on its way, or a buffer whose parts expire.
+#[test]
+fn no_deadlock_is_found_where_parts_only_wait_long() {
+    let bodies = [
+        // The whole of y's loop waits for a repair of y that takes long.
+        "part P source a: P every 1 s sink lost rejects buffer q capacity 1
+         station x { takes 1 s } station y { takes 1 s failures mtbf 10 s mttr 900 s } sink k
+         route P: a -> x when full -> lost route P: x -> q -> y -> k",
+        // Off shift at the end.
+        "part P source a: P every 1 s sink lost rejects buffer q capacity 1
+         station x { takes 1 s } station y { takes 1 s shift 0 h to 0.2 h } sink k
+         route P: a -> x when full -> lost route P: x -> q -> y -> k",
+        // Full of parts that rest.
+        "part P source a: P every 1 s sink lost rejects
+         station x { takes 1 s } buffer q capacity 4 dwell 980 s station y { takes 1 s } sink k
+         route P: a -> x when full -> lost route P: x -> q -> y -> k",
+        // A carton waits for the bottles that come late.
+        "part B part C part F from 2 B, C source b: B every 600 s source c: C every 1 s
+         sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
+         route B: b -> s route C: c -> q when full -> lost route C: q -> s route F: s -> k",
+        // A loop whose buffer scraps parts that are too old.
+        "part P { property again: bool = true } source a: P every 1 s sink lost rejects
+         buffer q capacity 1 shelf life 600 s station x { takes 1 s } sink k
+         route P: a -> x when full -> lost
+         route P: x -> q when again route P: x -> k otherwise route P: q -> x",
+        // The stock of a component is used up: the rest waits for ever, and nothing in a circle.
+        "part B part C part F from B, C source b: B every 1 s, at most 1000 in the line
+         source c: C every 1 s limit 3
+         sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
+         route B: b -> q when full -> lost route B: q -> s route C: c -> s route F: s -> k",
+    ];
+    for body in bodies {
+        for until in [950.0, 999.5] {
+            let trace = run_text(body, None, Some(until));
+            assert_eq!((trace.end, deadlock(&trace)), (End::Time, None), "{body}");
+            assert_eq!(text(&trace), "", "{body}");
+        }
+    }
 }

@@ -81,6 +81,16 @@ impl BeltState {
         (moving, moving * watts + standing, standing)
     }
 
+    /// Whether the belt is stepped.
+    pub(super) fn is_awake(&self) -> bool {
+        self.ticking
+    }
+
+    /// Whether there is a part for each place, with that in the inlet.
+    pub(super) fn is_full(&self) -> bool {
+        self.level.is_full()
+    }
+
     pub(super) fn new(belt: &Belt) -> Self {
         let machine = &belt.machine;
         let defaults: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
@@ -356,6 +366,7 @@ impl<'a> Run<'a> {
             return;
         };
         let way = self.way(node, part);
+        self.parts[part].waits_since = self.now;
         self.nodes[node].outlet.part = Some(part);
         self.nodes[node].outlet.to = way;
         if let Some(way) = way {

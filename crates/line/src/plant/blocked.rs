@@ -6,6 +6,7 @@
 //! such a component. If there is a cycle, following the successors from every outlet in order finds
 //! one.
 
+use super::deadlock::Prospects;
 use super::{Place, Run};
 use crate::plant::part::PartIndex;
 use crate::statistics::Activity;
@@ -20,18 +21,19 @@ struct Reason {
 }
 
 /// A chain of reasons starting at some node.
-struct Chain {
-    nodes: Vec<usize>,
-    texts: Vec<String>,
+pub(super) struct Chain {
+    pub nodes: Vec<usize>,
+    pub texts: Vec<String>,
     /// Whether the last node waits for the first.
-    cycle: bool,
+    pub cycle: bool,
 }
 
 impl Run<'_> {
     /// Ends a run in which nothing will happen any more. Adds a finding, unless the run was limited
     /// only by time and all work is done.
     pub(super) fn end_blocked(&mut self) -> End {
-        let chain = self.chain();
+        self.rests = true;
+        let chain = self.chain(None);
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
             && !chain.as_ref().is_some_and(|chain| chain.cycle)
             && self.journal.unroutable.is_empty()
@@ -50,13 +52,7 @@ impl Run<'_> {
             self.wait_until(horizon);
             return End::Time;
         }
-        let progress = match self.setup.target {
-            Some(target) => format!(
-                ", with {} of {target} products made",
-                self.counters.products
-            ),
-            None => String::new(),
-        };
+        let progress = self.products_made();
         let (why, help) = match &chain {
             Some(chain) => (chain.texts.join(", "), self.advice(chain)),
             None => (
@@ -81,12 +77,29 @@ impl Run<'_> {
         for text in self.paused_sources() {
             finding = finding.with_note(text);
         }
-        for &node in chain.iter().flat_map(|chain| &chain.nodes) {
-            let declared = &self.line.nodes[node];
-            finding = finding.with_label(declared.span, format!("{} is here", declared.name));
+        if let Some(chain) = chain {
+            finding = self.with_places(finding, &chain.nodes);
+            self.deadlock = chain.cycle.then(|| self.deadlock_of(&chain.nodes, None));
         }
         self.journal.findings.push(finding);
         End::Blocked
+    }
+
+    /// The number of products that were made, for a message, if a number of them is wanted.
+    pub(super) fn products_made(&self) -> String {
+        let made = self.counters.products;
+        self.setup.target.map_or(String::new(), |target| {
+            format!(", with {made} of {target} products made")
+        })
+    }
+
+    /// Adds the places of nodes to a finding.
+    pub(super) fn with_places(&self, mut finding: Diagnostic, nodes: &[usize]) -> Diagnostic {
+        for &node in nodes {
+            let declared = &self.line.nodes[node];
+            finding = finding.with_label(declared.span, format!("{} is here", declared.name));
+        }
+        finding
     }
 
     /// Advances the run to its end, because from now on only shifts begin and end.
@@ -138,7 +151,7 @@ impl Run<'_> {
         }
     }
 
-    fn advice(&self, chain: &Chain) -> String {
+    pub(super) fn advice(&self, chain: &Chain) -> String {
         let roomy = chain.nodes.iter().copied().find(|&node| {
             matches!(
                 self.line.nodes[node].kind,
@@ -166,18 +179,19 @@ impl Run<'_> {
     }
 
     /// Returns the first cycle; if there is none, the first chain that ends somewhere; `None` if
-    /// nothing waits.
-    fn chain(&self) -> Option<Chain> {
-        let waits = |outlet: usize| self.outlet(outlet).part.is_some();
-        let waiting = (0..self.nodes.len()).filter(|&node| self.outlets_of(node).any(waits));
+    /// nothing waits. Nothing moves in the line, or what may still move follows from the
+    /// `prospects`; then only what can never go on counts.
+    pub(super) fn chain(&self, prospects: Option<&Prospects>) -> Option<Chain> {
+        let waiting = (0..self.nodes.len()).filter(|&node| self.is_stuck(node, prospects));
         let begun = (0..self.nodes.len()).filter(|&node| match &self.nodes[node].place {
+            _ if prospects.is_some() => false,
             Place::Station(station) => station.components().next().is_some(),
             Place::Belt(belt) => !belt.held.is_empty(),
             _ => false,
         });
         let mut open = None;
         for start in waiting.chain(begun) {
-            let chain = self.follow(start);
+            let chain = self.follow(start, prospects);
             if chain.cycle {
                 return Some(chain);
             }
@@ -186,12 +200,12 @@ impl Run<'_> {
         open
     }
 
-    fn follow(&self, start: usize) -> Chain {
+    fn follow(&self, start: usize, prospects: Option<&Prospects>) -> Chain {
         let mut nodes = vec![start];
         let mut texts = Vec::new();
         let mut node = start;
         loop {
-            let Some(reason) = self.reason(node) else {
+            let Some(reason) = self.reason(node, prospects) else {
                 return Chain {
                     nodes,
                     texts,
@@ -218,10 +232,11 @@ impl Run<'_> {
         }
     }
 
-    fn reason(&self, node: usize) -> Option<Reason> {
+    fn reason(&self, node: usize, prospects: Option<&Prospects>) -> Option<Reason> {
         let name = self.name(node);
         let waiting = self
             .outlets_of(node)
+            .filter(|outlet| self.is_stuck_at(*outlet, prospects))
             .map(|outlet| self.outlet(outlet))
             .find_map(|outlet| outlet.part.map(|part| (part, outlet.to)));
         match (waiting, &self.nodes[node].place) {
@@ -258,21 +273,28 @@ impl Run<'_> {
                 next: None,
             }),
             (None, Place::Station(station)) => {
-                station.missing().first().map(|&kind| self.lack(node, kind))
+                let never_comes = |kind: &usize| {
+                    prospects.is_none_or(|prospects| !prospects.arrives(node, *kind))
+                };
+                let missing = station.missing().into_iter().find(never_comes);
+                missing.map(|kind| self.lack(node, kind, prospects))
             }
             _ => None,
         }
     }
 
     /// Why a component does not reach a station.
-    fn lack(&self, node: usize, kind: usize) -> Reason {
+    fn lack(&self, node: usize, kind: usize, prospects: Option<&Prospects>) -> Reason {
         let start = format!(
             "{} waits for a part of type {}",
             self.name(node),
             self.type_name(kind)
         );
         let others = || (0..self.nodes.len()).filter(|&other| other != node);
-        if let Some(holder) = others().find(|&other| self.holds(other, kind)) {
+        if let Some(holder) = others().find(|&other| {
+            let stays = prospects.is_none() || self.is_stuck(other, prospects);
+            stays && self.holds(other, kind)
+        }) {
             let place = match self.nodes[holder].place {
                 Place::Conveyor(_) | Place::Belt(_) => "on",
                 Place::Source(_) | Place::Station(_) => "at",

@@ -166,6 +166,21 @@ impl Buffer {
         self.level.level() < self.capacity
     }
 
+    /// Whether parts expire.
+    pub(super) fn has_shelf_life(&self) -> bool {
+        self.shelf_life.is_some()
+    }
+
+    /// Whether a part that comes could leave before one that waits.
+    pub(super) fn ranks_newcomers(&self) -> bool {
+        self.has_room() && matches!(self.ready, Ready::Ranked(_))
+    }
+
+    /// Whether a part that still rests could leave before one that waits.
+    pub(super) fn ranks_resting(&self) -> bool {
+        !self.resting.is_empty() && matches!(self.ready, Ready::Ranked(_))
+    }
+
     /// The part that leaves next.
     #[inline]
     pub(super) fn first(&self) -> Option<PartIndex> {

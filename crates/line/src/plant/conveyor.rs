@@ -66,6 +66,11 @@ impl Conveyor {
         self.parts.len() < self.places && now >= self.opens
     }
 
+    /// Whether there is a part on each place.
+    pub(super) fn is_full(&self) -> bool {
+        self.parts.len() >= self.places
+    }
+
     /// The first part has left.
     pub(super) fn left(&mut self, now: f64) {
         self.book(now);

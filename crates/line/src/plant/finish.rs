@@ -13,6 +13,7 @@ use linewright_language::contract::line::NodeKind;
 
 impl Run<'_> {
     pub(super) fn finish(mut self, end: End) -> Trace {
+        self.report_deadlock(end);
         self.report_short_run();
         self.log_end(end);
         for node in 0..self.nodes.len() {
@@ -175,7 +176,10 @@ impl Run<'_> {
                 + stations.iter().map(|s| s.joules).sum::<f64>()
                 + conveyors.iter().map(|c| c.joules).sum::<f64>(),
             machines: machines(&stations, &conveyors),
-            bottleneck: Bottleneck::of(self.line, &stations, &sources),
+            bottleneck: match self.deadlock {
+                Some(deadlock) => Bottleneck::Deadlock(deadlock),
+                None => Bottleneck::of(self.line, &stations, &sources),
+            },
             sources,
             stations,
             conveyors,

@@ -230,6 +230,7 @@ impl Run<'_> {
         } else {
             *self.outlet_mut(outlet) = offered;
         }
+        self.parts[part].waits_since = self.now;
         let request = self.new_request(node, outlet, kind, since);
         self.nodes[to].requests.insert_only(request);
         if is_station {
@@ -242,6 +243,7 @@ impl Run<'_> {
     #[inline(never)]
     fn offer_in_turn(&mut self, node: usize, outlet: usize, part: PartIndex) {
         let kind = self.parts[part].kind;
+        self.parts[part].waits_since = self.now;
         let Some(way) = self.way(node, part) else {
             self.turn(node);
             self.outlet_mut(outlet).part = Some(part);

@@ -13,6 +13,7 @@ mod buffer;
 mod chooser;
 mod conveyor;
 mod counters;
+mod deadlock;
 mod failures;
 mod finish;
 mod flow;
@@ -28,6 +29,7 @@ mod waits;
 mod warm_up;
 mod ways;
 
+use super::bottleneck::Deadlock;
 use super::calendar::Calendar;
 use super::log::Observer;
 use super::metric::percentiles_of_wait;
@@ -202,6 +204,10 @@ struct Run<'a> {
     journal: Journal,
     recorder: Recorder<'a>,
     progress: Progress,
+    /// Whether nothing happens any more.
+    rests: bool,
+    /// Parts that wait for one another for ever.
+    deadlock: Option<Deadlock>,
     /// The batches so far; `None` before counting begins, and if none are wanted.
     cuts: Option<Cuts>,
 }
@@ -454,6 +460,8 @@ impl<'a> Run<'a> {
             journal: Journal::default(),
             recorder: Recorder::default(),
             progress: Progress::default(),
+            rests: false,
+            deadlock: None,
             cuts: None,
         }
     }

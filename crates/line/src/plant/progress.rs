@@ -16,6 +16,8 @@ const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
 /// Maximum number of events since the last end product, beyond which a run that waits for products
 /// counts as making none.
 const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
+/// Number of events since the last end product after which such a run is examined for a deadlock.
+const EVENTS_BEFORE_EXAMINATION: u64 = 100_000;
 /// Maximum number of violations since the last end product, with the same meaning.
 const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 
@@ -37,6 +39,8 @@ pub(super) struct Progress {
     /// the next one.
     last_event: u64,
     last_violation: u64,
+    /// Whether the run has been examined for a deadlock since the last end product.
+    is_examined: bool,
 }
 
 impl Default for Progress {
@@ -46,7 +50,8 @@ impl Default for Progress {
             at_instant: 0,
             violations_at_instant: 0,
             violations_at_product: 0,
-            last_event: MAX_EVENTS_WITHOUT_PRODUCT,
+            last_event: EVENTS_BEFORE_EXAMINATION,
+            is_examined: false,
             last_violation: MAX_VIOLATIONS_WITHOUT_PRODUCT,
         }
     }
@@ -81,7 +86,8 @@ impl Progress {
     /// Counts an end product completed after this many events and violations.
     pub(super) fn count_product(&mut self, events: u64, violations: u64) {
         self.violations_at_product = violations;
-        self.last_event = events + MAX_EVENTS_WITHOUT_PRODUCT;
+        self.last_event = events + EVENTS_BEFORE_EXAMINATION;
+        self.is_examined = false;
         self.last_violation = violations + MAX_VIOLATIONS_WITHOUT_PRODUCT;
     }
 
@@ -102,6 +108,17 @@ impl Progress {
     #[inline]
     pub(super) fn is_stuck_at_instant(&self) -> bool {
         self.at_instant > MAX_AT_ONE_INSTANT
+    }
+
+    /// Whether a run that waits for products is to be examined for a deadlock: once after each
+    /// product, long before it counts as making none.
+    fn examines(&mut self, events: u64) -> bool {
+        let is_due = events > self.last_event && !self.is_examined;
+        if is_due {
+            self.is_examined = true;
+            self.last_event += MAX_EVENTS_WITHOUT_PRODUCT - EVENTS_BEFORE_EXAMINATION;
+        }
+        is_due
     }
 
     /// Whether a run that waits for products has stopped making any.
@@ -156,6 +173,10 @@ impl Run<'_> {
                      refuses every part and has it reordered.",
                 ),
             );
+        } else if self.progress.examines(self.events) {
+            if self.setup.horizon.is_none() {
+                self.end_if_deadlocked();
+            }
         } else if self.setup.horizon.is_none()
             && self
                 .progress

@@ -102,6 +102,14 @@ pub(super) struct Bill {
     complete: Option<u64>,
 }
 
+impl Bill {
+    /// Whether the missing components may still come, as `comes` states by type.
+    fn may_be_complete(&self, comes: &impl Fn(usize) -> bool) -> bool {
+        let mut lines = self.lines.iter();
+        lines.all(|(kind, count, there)| there.len() >= *count || comes(*kind))
+    }
+}
+
 impl Station {
     pub(super) fn new(
         line: &Line,
@@ -198,6 +206,16 @@ impl Station {
         self.clock.activity() == Activity::Starved
     }
 
+    /// Whether the station works on parts of this type without joining.
+    pub(super) fn works_alone_on(&self, kind: usize) -> bool {
+        self.plain[kind].is_some()
+    }
+
+    /// Whether the station is off shift and finishes its part nevertheless.
+    pub(super) fn is_in_overtime(&self) -> bool {
+        self.overtime
+    }
+
     /// Whether some task joins components.
     #[inline]
     pub(super) fn joins_some(&self) -> bool {
@@ -239,6 +257,22 @@ impl Station {
             .iter()
             .zip(&self.bills)
             .any(|(made, bill)| *made == kind && !bill.lines.is_empty())
+    }
+
+    /// Whether a task may join parts of this type some day. `comes` states whether a component of a
+    /// type that is missing may still come.
+    pub(super) fn may_use(&self, kind: usize, comes: impl Fn(usize) -> bool) -> bool {
+        let uses = |bill: &&Bill| bill.lines.iter().any(|(wanted, ..)| *wanted == kind);
+        let mut bills = self.bills.iter().filter(uses);
+        bills.any(|bill| bill.may_be_complete(&comes))
+    }
+
+    /// The same for a task that makes parts of this type.
+    pub(super) fn may_make(&self, kind: usize, comes: impl Fn(usize) -> bool) -> bool {
+        let mut tasks = self.kinds.iter().zip(&self.bills);
+        tasks.any(|(made, bill)| {
+            *made == kind && !bill.lines.is_empty() && bill.may_be_complete(&comes)
+        })
     }
 
     /// Part types that incomplete joining tasks wait for; tasks for which some part has already
