@@ -97,13 +97,13 @@ pub(super) enum PlaceFigures {
         length: f64,
     },
     Buffer {
-        /// Number of parts that left.
-        passed: u64,
+        /// Number of parts that left or expired.
+        waited: u64,
         /// Mean number of parts over time.
         length: f64,
         /// Share of the time in which it was full.
         full: f64,
-        /// Mean waiting time in seconds of the parts that left.
+        /// Mean waiting time in seconds of these parts.
         wait: f64,
         percentiles: Percentiles,
         expired: u64,
@@ -192,8 +192,8 @@ impl Figures for Batch {
                 PlaceFigures::Buffer { length, .. } | PlaceFigures::Conveyor { length, .. },
             ) => Some(*length),
             (Measure::Full, PlaceFigures::Buffer { full, .. }) => Some(*full),
-            (Measure::Wait, PlaceFigures::Buffer { passed, wait, .. }) => {
-                (*passed > 0).then_some(*wait)
+            (Measure::Wait, PlaceFigures::Buffer { waited, wait, .. }) => {
+                (*waited > 0).then_some(*wait)
             }
             (Measure::WaitPercentile, PlaceFigures::Buffer { percentiles, .. }) => {
                 percentiles.get(metric.percentile)
@@ -242,9 +242,8 @@ impl Batch {
         let of_places = || {
             let places = metric.nodes.clone();
             let weights = places.filter_map(|node| match self.places.get(node)? {
-                PlaceFigures::Buffer { passed, .. } | PlaceFigures::Source { passed, .. } => {
-                    Some(*passed as f64)
-                }
+                PlaceFigures::Buffer { waited: parts, .. }
+                | PlaceFigures::Source { passed: parts, .. } => Some(*parts as f64),
                 PlaceFigures::Station(station) => Some(match metric.measure {
                     Measure::Effectiveness => station.busy,
                     Measure::Quality => station.parts as f64,

@@ -204,7 +204,7 @@ pub(super) fn of_station(measure: Measure, shares: Shares) -> f64 {
 }
 
 fn of_buffer(metric: &Metric, buffer: &BufferStatistics) -> Option<f64> {
-    let of_departures = |value: f64| (buffer.passed > 0).then_some(value);
+    let of_departures = |value: f64| (buffer.passed + buffer.expired > 0).then_some(value);
     match metric.measure {
         Measure::Length => Some(buffer.length),
         Measure::LengthMax => Some(buffer.longest as f64),

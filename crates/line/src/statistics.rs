@@ -434,6 +434,11 @@ impl Waits {
         }
     }
 
+    /// The sum of all times.
+    pub(super) fn sum(self) -> f64 {
+        self.sum
+    }
+
     /// Mean; 0 if nothing has waited.
     pub(super) fn mean(&self) -> f64 {
         if self.count > 0 {

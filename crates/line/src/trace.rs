@@ -399,9 +399,9 @@ pub struct BufferStatistics {
     pub longest: u64,
     /// Share of the time in which the buffer was full, from 0 to 1.
     pub full: f64,
-    /// Mean waiting time of the parts that left, in seconds.
+    /// Mean waiting time of the parts that left or expired, in seconds.
     pub wait: f64,
-    /// Maximum waiting time of the parts that left, in seconds.
+    /// Maximum of the same waiting times, in seconds.
     pub longest_wait: f64,
     /// Percentiles of the waiting time that the requirements speak of.
     pub wait_percentiles: Percentiles,

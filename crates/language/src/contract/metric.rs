@@ -124,7 +124,7 @@ pub enum Measure {
     LengthMax,
     /// Share of the time in which a buffer is full.
     Full,
-    /// Mean time of a part in a buffer.
+    /// Mean time of a part in a buffer, until it leaves or expires.
     Wait,
     /// A percentile of the time of a part in a buffer.
     WaitPercentile,

@@ -321,7 +321,7 @@ impl Run<'_> {
                 ) => {
                     let (level, waits) = (level.after(earlier), waits.after(*waited));
                     PlaceFigures::Buffer {
-                        passed: waits.count,
+                        waited: waits.count,
                         length: level.mean(),
                         full: level.full_share(),
                         wait: waits.mean(),

@@ -24,6 +24,7 @@ pub(super) struct Buffer {
     is_plain: bool,
     ready: Ready,
     pub level: Level,
+    /// Waiting times of the parts that left, and of those that expired.
     pub waits: Waits,
     /// Waiting times for percentiles; `None` if no requirement speaks of one.
     sample: Option<Box<WaitSample>>,
@@ -43,6 +44,8 @@ pub(super) struct Buffer {
     expiries: VecDeque<Expiry>,
     /// Number of parts that have expired.
     pub expired: u64,
+    /// Time that the parts in the buffer had waited when counting began, in all, in seconds.
+    waited_before: f64,
 }
 
 /// Waiting times for percentiles.
@@ -116,6 +119,7 @@ impl Buffer {
             level: Level::new(capacity),
             waits: Waits::default(),
             expired: 0,
+            waited_before: 0.0,
         }
     }
 
@@ -299,13 +303,42 @@ impl Buffer {
         };
         if let Some(since) = since {
             self.turn = None;
-            self.level.decrease(now);
-            self.waits.add(now - since);
-            if let Some(sample) = &mut self.sample {
-                sample.of_run.add(now - since);
-                sample.of_batch.add(now - since);
-            }
+            self.count_out(now, since);
         }
+    }
+
+    /// Counts a part that leaves or expires, and that came at `since`.
+    #[inline]
+    fn count_out(&mut self, now: f64, since: f64) {
+        self.level.decrease(now);
+        self.waits.add(now - since);
+        if let Some(sample) = &mut self.sample {
+            sample.of_run.add(now - since);
+            sample.of_batch.add(now - since);
+        }
+    }
+
+    /// Number of parts that have left without those that have expired.
+    pub(super) fn passed(&self) -> u64 {
+        self.waits.count - self.expired
+    }
+
+    /// Time that the parts in the buffer have waited so far, in all, in seconds.
+    fn waiting_seconds(&self, now: f64) -> f64 {
+        let resting = self.resting.values().map(|(_, waiting)| now - waiting.since);
+        let ready: f64 = match &self.ready {
+            Ready::Queue(queue) => queue.iter().map(|waiting| now - waiting.since).sum(),
+            Ready::Ranked(ranked) => ranked.values().map(|waiting| now - waiting.since).sum(),
+        };
+        ready + resting.sum::<f64>()
+    }
+
+    /// The two sides of Little's law: the integral of the number of parts up to `now`, and the time
+    /// that all parts have waited since counting began, in seconds.
+    pub(super) fn littles_law(&mut self, now: f64) -> (f64, f64) {
+        self.level.advance(now);
+        let waited = self.waits.sum() + self.waiting_seconds(now) - self.waited_before;
+        (self.level.area(), waited)
     }
 
     /// Removes the part that expires at `now`. Returns it, and whether it was the next to leave;
@@ -325,8 +358,8 @@ impl Buffer {
             }
             Ready::Ranked(ranked) => ranked.remove(&expiry.rank),
         });
-        let Waiting { part, .. } = found?;
-        self.level.decrease(now);
+        let Waiting { part, since, .. } = found?;
+        self.count_out(now, since);
         self.expired += 1;
         Some((part, first == Some(part)))
     }
@@ -357,6 +390,7 @@ impl Buffer {
         }
         self.level.forget(now);
         self.waits = Waits::default();
+        self.waited_before = self.waiting_seconds(now);
         self.expired = 0;
     }
 }

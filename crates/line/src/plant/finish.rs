@@ -108,7 +108,7 @@ impl Run<'_> {
                     buffers.push(BufferStatistics {
                         node: index,
                         name: node.name.clone(),
-                        passed: buffer.waits.count,
+                        passed: buffer.passed(),
                         length: buffer.level.mean(),
                         longest: buffer.level.max(),
                         full: buffer.level.full_share(),
@@ -208,8 +208,9 @@ impl Run<'_> {
         trace
     }
 
-    /// Checks Little's law. It holds exactly in every interval (Stidham, 1974): the integral of the
-    /// number of parts in the line is the sum of the times that parts spent there.
+    /// Checks Little's law for the line and for each buffer. It holds exactly in every interval
+    /// (Stidham, 1974): the integral of the number of parts there is the sum of the times that parts
+    /// spent there.
     fn check_littles_law(&mut self) {
         let (now, start) = (self.now, self.counting_start());
         self.counters.units.advance(now);
@@ -220,10 +221,13 @@ impl Run<'_> {
             .sum::<f64>()
             + self.counters.unit_seconds;
         let area = self.counters.units.area();
-        assert!(
-            (area - unit_seconds).abs() <= 1e-6 * area.max(1.0),
-            "internal error: Little's law is broken: {area} and {unit_seconds} part seconds; please report this"
-        );
+        assert_littles_law("the line", area, unit_seconds);
+        for (index, node) in self.nodes.iter_mut().enumerate() {
+            if let Place::Buffer(buffer) = &mut node.place {
+                let (area, waited) = buffer.littles_law(now);
+                assert_littles_law(&self.line.nodes[index].name, area, waited);
+            }
+        }
     }
 
     /// The part counts, checked against the parts that are actually in the line.
@@ -247,6 +251,14 @@ impl Run<'_> {
         );
         counts
     }
+}
+
+/// Ends the program if the two sides of Little's law differ by more than their rounding errors.
+fn assert_littles_law(of: &str, area: f64, part_seconds: f64) {
+    assert!(
+        (area - part_seconds).abs() <= 1e-6 * area.max(1.0),
+        "internal error: Little's law is broken in {of}: {area} and {part_seconds} part seconds; please report this"
+    );
 }
 
 /// Sums up the statistics of stations and contracted belts by machine.

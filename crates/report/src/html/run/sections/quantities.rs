@@ -83,7 +83,7 @@ pub(super) fn queues(page: &Page<'_>) -> Markup {
             (charts::curve(&format!("Parts in {} over time", node.name), curve, axis, Some(*capacity)))
         }
         @if !rows.is_empty() {
-            (behind(&["Buffer", "Passed", "Mean length", "Longest", "Full, of all time", "Mean wait of parts that left", "Longest wait of parts that left", "Expired"], &rows))
+            (behind(&["Buffer", "Passed", "Mean length", "Longest", "Full, of all time", "Mean wait of parts that left or expired", "Longest wait of these", "Expired"], &rows))
         }
     };
     section_of_first(page, "queues", "Work in progress and queues", &inside)
