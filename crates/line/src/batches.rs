@@ -388,7 +388,8 @@ fn weighted_by(weights: &[f64], values: &[Option<f64>]) -> Vec<f64> {
 pub(super) fn estimate(metric: &Metric, trace: &Trace) -> (Option<Estimate>, Option<f64>) {
     let values = values(metric, trace);
     let measured = weighted(metric, trace, &values);
-    mean_and_lag(&measured, values.len())
+    let (value, lag_1) = mean_and_lag(&measured, values.len());
+    (value.map(|value| value.of_measure(metric.measure)), lag_1)
 }
 
 /// The same for a figure that is a mean over time, or a total.

@@ -132,9 +132,10 @@ pub(super) fn of_runs(line: &Line, traces: &[Trace]) -> Vec<Estimated> {
     let estimate = |subject: Subject, value: &dyn Fn(&Trace) -> Option<f64>| {
         let counted = traces.iter().filter(|trace| trace.has_counted());
         let values: Vec<f64> = counted.filter_map(value).collect();
+        let measure = subject.measure();
         Estimated {
             subject,
-            value: Estimate::of(&values),
+            value: Estimate::of(&values).map(|value| value.of_measure(measure)),
             lag_1: None,
         }
     };
@@ -219,9 +220,10 @@ pub(super) fn of_batches(line: &Line, trace: &Trace) -> Vec<Estimated> {
                 place: name(place),
                 station: behind.map(name),
             };
+            let measure = cause.measure();
             all.push(Estimated {
                 subject: Subject::Wait(cause),
-                value,
+                value: value.map(|value| value.of_measure(measure)),
                 lag_1,
             });
         }
@@ -235,7 +237,7 @@ pub(super) fn of_batches(line: &Line, trace: &Trace) -> Vec<Estimated> {
             });
             all.push(Estimated {
                 subject: Subject::Energy { node, state },
-                value,
+                value: value.map(|value| value.of_measure(Measure::Energy)),
                 lag_1,
             });
         }

@@ -43,9 +43,11 @@ pub struct Replications {
 pub struct Estimate {
     /// Mean of the runs.
     pub mean: f64,
-    /// The interval is `mean - half_width ..= mean + half_width`; `None` for a single run, which
-    /// allows no estimate.
+    /// Half the width of the interval, before it is cut to the range; `None` for a single run,
+    /// which allows no estimate. Verdicts and precision rest on it.
     pub half_width: Option<f64>,
+    /// The least and the greatest value that can be; infinite without bounds.
+    pub range: (f64, f64),
 }
 
 impl Estimate {
@@ -54,6 +56,7 @@ impl Estimate {
         if values.is_empty() {
             return None;
         }
+        let range = (f64::NEG_INFINITY, f64::INFINITY);
         // Equal values have no rounding error.
         if let [first, others @ ..] = values
             && !others.is_empty()
@@ -64,6 +67,7 @@ impl Estimate {
             return Some(Self {
                 mean: *first,
                 half_width: Some(0.0),
+                range,
             });
         }
         let count = values.len() as f64;
@@ -73,7 +77,43 @@ impl Estimate {
             let deviation = (squares / (count - 1.0)).sqrt();
             student_t(values.len() as u64 - 1) * deviation / count.sqrt()
         });
-        Some(Self { mean, half_width })
+        Some(Self {
+            mean,
+            half_width,
+            range,
+        })
+    }
+
+    /// The estimate of a measure, whose values lie in a range: none is negative, and no share is
+    /// above 1.
+    #[must_use]
+    pub fn of_measure(self, measure: Measure) -> Self {
+        let greatest = measure.info().unit.greatest();
+        Self {
+            range: (0.0, greatest.unwrap_or(f64::INFINITY)),
+            ..self
+        }
+    }
+
+    /// The interval, cut to the range that the measure can take: the parts beyond it hold no
+    /// possible mean. `None` for a single run.
+    pub fn interval(&self) -> Option<(f64, f64)> {
+        let half = self.half_width?;
+        let (least, greatest) = self.range;
+        // Rounding may put the mean itself beyond the range.
+        let low = (self.mean - half).max(least.min(self.mean));
+        let high = (self.mean + half).min(greatest.max(self.mean));
+        Some((low, high))
+    }
+
+    /// The same in another unit, of which `scale` are one of this.
+    #[must_use]
+    pub fn scaled(self, scale: f64) -> Self {
+        Self {
+            mean: self.mean * scale,
+            half_width: self.half_width.map(|half| half * scale),
+            range: (self.range.0 * scale, self.range.1 * scale),
+        }
     }
 
     /// Estimated number of runs, in addition to the `runs` that were made, after which the interval
@@ -335,7 +375,8 @@ impl Replications {
             let measured = traces
                 .iter()
                 .filter_map(|trace| metric::measure(&metric, trace));
-            Estimate::of(&measured.collect::<Vec<_>>())
+            let value = Estimate::of(&measured.collect::<Vec<_>>());
+            value.map(|value| value.of_measure(measure))
         };
         let requirements = requirement::over(line, Sample::Runs(traces));
         let mut findings: Vec<Diagnostic> = Vec::new();
@@ -379,6 +420,24 @@ mod tests {
         assert!((estimate.half_width.unwrap() - 1.963_243).abs() < 1e-5);
         assert_eq!(Estimate::of(&[4.0]).unwrap().half_width, None);
         assert_eq!(Estimate::of(&[]), None);
+    }
+
+    /// The interval of a share ends at 0 and 1, and that of any other measure at 0.
+    #[test]
+    fn intervals_end_with_the_range() {
+        let estimate = Estimate::of(&[0.7, 0.8, 1.0]).unwrap();
+        let half = estimate.half_width.unwrap();
+        let (low, high) = (estimate.mean - half, estimate.mean + half);
+        assert!(high > 1.0);
+        assert_eq!(estimate.interval(), Some((low, high)));
+        let share = estimate.of_measure(Measure::Busy);
+        assert_eq!(share.interval(), Some((low, 1.0)));
+        assert_eq!(share.half_width, Some(half));
+        assert_eq!(estimate.of_measure(Measure::Wip).interval(), Some((low, high)));
+        assert_eq!(share.scaled(100.0).interval(), Some((low * 100.0, 100.0)));
+        let scrap = Estimate::of(&[0.0, 0.0, 0.1]).unwrap().of_measure(Measure::Scrap);
+        assert_eq!(scrap.interval().map(|(low, _)| low), Some(0.0));
+        assert_eq!(Estimate::of(&[4.0]).unwrap().interval(), None);
     }
 
     /// The mean of equal values is that value, although their sum is rounded.

@@ -207,7 +207,8 @@ pub(super) fn over(line: &Line, sample: Sample<'_>) -> Vec<ReplicatedRequirement
             let values = sample.values(index, requirement);
             let worst = worst(requirement, &values);
             let measured: Vec<f64> = values.iter().copied().flatten().collect();
-            let mut value = Estimate::of(&sample.of_mean(requirement, &values));
+            let mut value = Estimate::of(&sample.of_mean(requirement, &values))
+                .map(|value| value.of_measure(requirement.metric.measure));
             let mut in_one = in_one_run(requirement, &values);
             // A batch without a value is too short: it shows nothing about the run.
             let is_short = matches!(sample, Sample::Batches(_)) && measured.len() < values.len();
@@ -341,19 +342,19 @@ pub(super) fn unmet(
 /// `95 % interval 3589.1 to 3632.4, 6 runs`.
 fn interval(result: &ReplicatedRequirement, sample: Sample<'_>) -> String {
     let counted = sample.counted(result.runs);
-    let Some((value, half)) = result.value.and_then(|v| Some((v.mean, v.half_width?))) else {
+    let Some((low, high)) = result.value.and_then(|value| value.interval()) else {
         return match sample {
             Sample::Runs(_) => counted,
             Sample::Batches(_) => format!("nothing to measure in some of {counted}"),
         };
     };
-    if half <= 0.0 {
+    if low >= high {
         return format!("in all {counted}");
     }
     format!(
         "95 % interval {} to {}, {counted}",
-        readable(value - half),
-        readable(value + half),
+        readable(low),
+        readable(high),
     )
 }
 

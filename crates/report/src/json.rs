@@ -245,8 +245,8 @@ fn replicated_requirement(r: &ReplicatedRequirement, seed: Option<u64>) -> Value
         "verdict": r.verdict.word(),
         "more_replications": r.more(),
         "value": r.value.map(|value| round(value.mean, 9)),
-        "low": r.value.and_then(|value| bound(value, -1.0, 9)),
-        "high": r.value.and_then(|value| bound(value, 1.0, 9)),
+        "low": low(r.value, 9),
+        "high": high(r.value, 9),
         "held_in": r.held_in,
         "replications": r.runs,
         "worst": {
@@ -267,8 +267,8 @@ fn batch_requirement(r: &ReplicatedRequirement, lag_1: Option<f64>) -> Value {
         "verdict": r.verdict.word(),
         "times_as_long": r.times_as_long().map(|times| round(times, 6)),
         "value": r.value.map(|value| round(value.mean, 9)),
-        "low": r.value.and_then(|value| bound(value, -1.0, 9)),
-        "high": r.value.and_then(|value| bound(value, 1.0, 9)),
+        "low": low(r.value, 9),
+        "high": high(r.value, 9),
         "lag_1": lag_1.map(|lag_1| round(lag_1, 6)),
         "held_in": r.held_in,
         "batches": r.runs,
@@ -422,8 +422,8 @@ fn measures(line: &Line, measures: &[Estimated]) -> Value {
                 MeasureUnit::Share => "share",
             },
             "mean": of.value.map(|value| round(value.mean, places)),
-            "low": of.value.and_then(|value| bound(value, -1.0, places)),
-            "high": of.value.and_then(|value| bound(value, 1.0, places)),
+            "low": low(of.value, places),
+            "high": high(of.value, places),
             "lag_1": of.lag_1.map(|lag_1| round(lag_1, 6)),
         });
         match &of.subject {
@@ -465,20 +465,24 @@ fn over_time(of: &OverTime) -> Value {
 
 /// Returns an estimate with its confidence interval; `None` if nothing was measured.
 pub(super) fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
-    let estimate = estimate?;
+    let mean = estimate?.mean;
     Some(json!({
-        "mean": round(estimate.mean, places),
-        "low": bound(estimate, -1.0, places),
-        "high": bound(estimate, 1.0, places),
+        "mean": round(mean, places),
+        "low": low(estimate, places),
+        "high": high(estimate, places),
     }))
 }
 
-/// Returns the lower (`sign` -1) or upper (`sign` 1) end of a confidence interval; `None` if there
-/// is no interval.
-fn bound(estimate: Estimate, sign: f64, places: i32) -> Option<f64> {
-    estimate
-        .half_width
-        .map(|half| round(estimate.mean + sign * half, places))
+/// Returns the lower end of a confidence interval; `None` if there is none.
+fn low(estimate: Option<Estimate>, places: i32) -> Option<f64> {
+    let (low, _) = estimate?.interval()?;
+    Some(round(low, places))
+}
+
+/// Returns the upper end of a confidence interval; `None` if there is none.
+fn high(estimate: Option<Estimate>, places: i32) -> Option<f64> {
+    let (_, high) = estimate?.interval()?;
+    Some(round(high, places))
 }
 
 fn kwh(joules: f64) -> f64 {

@@ -600,10 +600,7 @@ fn energy_row(
         Some(estimate) => shown_in(measure, label, estimate.mean),
         None => (label, 1.0),
     };
-    let estimate = estimate.map(|estimate| Estimate {
-        mean: estimate.mean * scale,
-        half_width: estimate.half_width.map(|half| half * scale),
-    });
+    let estimate = estimate.map(|estimate| estimate.scaled(scale));
     let [mean, low, high] = interval(estimate, places);
     vec![label, mean, low, high]
 }
@@ -707,9 +704,9 @@ pub(super) fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3]
 
 /// A mean and the ends of its confidence interval.
 fn ends(estimate: Option<Estimate>) -> [Option<f64>; 3] {
-    let half = estimate.and_then(|e| e.half_width);
-    let bound = |sign: f64| Some(estimate?.mean + sign * half?);
-    [estimate.map(|e| e.mean), bound(-1.0), bound(1.0)]
+    let interval = estimate.and_then(|e| e.interval());
+    let (low, high) = interval.unzip();
+    [estimate.map(|e| e.mean), low, high]
 }
 
 /// Formats a number with three decimal places, or with three significant digits if these would not

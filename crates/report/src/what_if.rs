@@ -85,10 +85,7 @@ fn row(comparison: &Comparison) -> Vec<String> {
     let label = comparison.measure.info().label.to_owned();
     let greatest = comparison.as_it_is.max(comparison.what_if);
     let (label, scale) = shown_in(comparison.measure, label, greatest);
-    let difference = Estimate {
-        mean: comparison.difference.mean * scale,
-        half_width: comparison.difference.half_width.map(|half| half * scale),
-    };
+    let difference = comparison.difference.scaled(scale);
     let [difference, from, to] = interval(Some(difference), 3);
     let significant = match comparison.is_significant() {
         Some(true) => "yes",

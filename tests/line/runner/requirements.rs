@@ -308,3 +308,43 @@ fn a_wait_that_nothing_had_is_not_measured() {
          and should be at most 60"
     );
 }
+
+/// With few short runs, Student's interval reaches beyond what is possible. It is cut to the range
+/// of the measure; verdicts are those of the whole interval.
+#[test]
+fn intervals_lie_in_the_range_of_the_measure() {
+    let (_, figures) = runs(
+        "line L {
+            part P
+            source rack: P every random 10 s
+            buffer queue capacity 5 shelf life 1 min
+            station cell { takes random 8 s failures mtbf 3 min mttr 2 min }
+            sink out sink lost rejects
+            route P: rack -> queue when full -> lost
+            route P: queue -> cell -> out
+            requirement free: full(queue) <= 30 %
+            requirement young: expired(queue) <= 2
+        }",
+        3,
+        300.0,
+    );
+    let mut cut = 0;
+    for of in &figures.measures {
+        let Some((value, (low, high))) = of.value.and_then(|v| Some((v, v.interval()?))) else {
+            continue;
+        };
+        let half = value.half_width.expect("an interval");
+        let greatest = of.subject.measure().info().unit.greatest();
+        assert!(low >= 0.0 && high <= greatest.unwrap_or(f64::INFINITY), "{of:?}");
+        assert!((low..=high).contains(&value.mean), "{of:?}");
+        cut += usize::from(low > value.mean - half || high < value.mean + half);
+    }
+    assert!(cut > 5, "{cut}");
+    for requirement in &figures.requirements {
+        let value = requirement.value.expect("a value");
+        let (low, _) = value.interval().expect("an interval");
+        assert!(low >= 0.0);
+        assert!(value.mean - value.half_width.expect("an interval") < 0.0, "{requirement:?}");
+        assert_eq!(requirement.verdict.word(), "undecided");
+    }
+}

@@ -18,7 +18,8 @@ use maud::{Markup, html};
 /// The estimate of a measure over replications or batches.
 pub(super) fn estimate(page: &Page<'_>, measure: Measure) -> Option<Estimate> {
     match page.intervals? {
-        Intervals::Replications(_) => Estimate::of(&of_runs(measure, page.traces)),
+        Intervals::Replications(_) => Estimate::of(&of_runs(measure, page.traces))
+            .map(|estimate| estimate.of_measure(measure)),
         Intervals::Batches(batches) => {
             let mut estimates = batches.estimates.iter();
             estimates.find(|e| e.measure == measure)?.value
@@ -39,17 +40,14 @@ pub(super) fn interval(estimate: Option<Estimate>) -> String {
 
 /// A mean with its interval, with its numbers in a format that depends on the half-width.
 fn interval_with(estimate: Option<Estimate>, show: impl Fn(f64, f64) -> String) -> String {
-    let Some(Estimate { mean, half_width }) = estimate else {
+    let Some(estimate) = estimate else {
         return "-".to_owned();
     };
-    match half_width {
-        Some(half) => format!(
-            "{} ({} to {})",
-            show(mean, half),
-            show(mean - half, half),
-            show(mean + half, half)
-        ),
-        None => show(mean, 0.0),
+    let half = estimate.half_width.unwrap_or(0.0);
+    let mean = show(estimate.mean, half);
+    match estimate.interval() {
+        Some((low, high)) => format!("{mean} ({} to {})", show(low, half), show(high, half)),
+        None => mean,
     }
 }
 
@@ -121,13 +119,14 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
         .clone()
         .filter_map(|measure| {
             let estimate = estimate(page, *measure)?;
-            let (mean, half) = (estimate.mean, estimate.half_width.unwrap_or(0.0));
+            let mean = estimate.mean;
+            let (low, high) = estimate.interval().unwrap_or((mean, mean));
             let of_mean = |value: f64| value / mean - 1.0;
             (mean != 0.0).then(|| Range {
                 name: name_of(*measure).to_owned(),
-                low: of_mean(mean - half),
+                low: of_mean(low),
                 mean: 0.0,
-                high: of_mean(mean + half),
+                high: of_mean(high),
                 values: if is_single {
                     Vec::new()
                 } else {
@@ -175,8 +174,10 @@ fn all_measures(page: &Page<'_>, intervals: Intervals<'_>) -> Markup {
     let rows: Vec<Vec<String>> = measures
         .iter()
         .filter_map(|of| {
-            let Estimate { mean, half_width } = of.value?;
-            let half = half_width.unwrap_or(0.0);
+            let estimate = of.value?;
+            let mean = estimate.mean;
+            let half = estimate.half_width.unwrap_or(0.0);
+            let (low, high) = estimate.interval().unzip();
             if mean == 0.0 && half == 0.0 {
                 return None;
             }
@@ -186,8 +187,8 @@ fn all_measures(page: &Page<'_>, intervals: Intervals<'_>) -> Markup {
             Some(vec![
                 label,
                 value(mean),
-                half_width.map_or("-".to_owned(), |half| value(mean - half)),
-                half_width.map_or("-".to_owned(), |half| value(mean + half)),
+                low.map_or("-".to_owned(), value),
+                high.map_or("-".to_owned(), value),
             ])
         })
         .collect();
@@ -271,9 +272,9 @@ fn of_measure<'a>(variants: &'a [Compared<'a>], measure: Measure) -> Vec<(usize,
 
 fn range(compared: &Comparison, label: &str, are_several: bool) -> Range {
     let base = compared.as_it_is.abs();
-    let half_width = compared.difference.half_width.map(|half| half / base);
-    let mean = compared.difference.mean / base;
-    let half = half_width.unwrap_or(0.0);
+    let difference = compared.difference.scaled(1.0 / base);
+    let mean = difference.mean;
+    let (low, high) = difference.interval().unwrap_or((mean, mean));
     let measure = name_of(compared.measure);
     Range {
         name: if are_several {
@@ -281,11 +282,11 @@ fn range(compared: &Comparison, label: &str, are_several: bool) -> Range {
         } else {
             measure.to_owned()
         },
-        low: mean - half,
+        low,
         mean,
-        high: mean + half,
+        high,
         values: Vec::new(),
-        text: interval_with(Some(Estimate { mean, half_width }), signed),
+        text: interval_with(Some(difference), signed),
     }
 }
 

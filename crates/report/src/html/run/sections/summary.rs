@@ -14,7 +14,7 @@ use linewright_language::contract::line::declared_name;
 use linewright_language::contract::metric::Measure;
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{End, LeadTime, Oee, duration_in_units};
-use linewright_line::{Estimate, Trace, Verdict};
+use linewright_line::{Trace, Verdict};
 use maud::{Markup, html};
 
 pub(super) fn header(page: &Page<'_>) -> Markup {
@@ -99,18 +99,23 @@ fn measured(page: &Page<'_>, measure: Measure, name: &str, value: f64, note: &st
         Measure::FirstPassYield => percent(value),
         _ => value_of(measure, value, half),
     };
-    let Some(Estimate {
-        mean,
-        half_width: Some(half),
-    }) = estimate(page, measure)
+    let found = estimate(page, measure);
+    let Some((found, (low, high))) = found.and_then(|found| Some((found, found.interval()?)))
     else {
         return tile(name, &show(value, 0.0), note);
     };
+    let (mean, half) = (found.mean, found.half_width.unwrap_or(0.0));
     let of = match page.intervals {
         Some(Intervals::Batches(batches)) => format!("{} batches", batches.count),
         _ => format!("{} runs", page.traces.len()),
     };
-    let mut text = format!("mean of {of}, ± {} (95 %)", show(half, half));
+    let is_cut = low > mean - half || high < mean + half;
+    let mut text = if is_cut {
+        let (low, high) = (show(low, half), show(high, half));
+        format!("mean of {of}, {low} to {high} (95 %)")
+    } else {
+        format!("mean of {of}, ± {} (95 %)", show(half, half))
+    };
     if !note.is_empty() {
         text = format!("{text}; {note}");
     }
