@@ -318,7 +318,7 @@ fn intervals_lie_in_the_range_of_the_measure() {
             part P
             source rack: P every random 10 s
             buffer queue capacity 5 shelf life 1 min
-            station cell { takes random 8 s failures mtbf 3 min mttr 2 min }
+            station cell { takes exponential(8 s) failures mtbf 3 min mttr 2 min }
             sink out sink lost rejects
             route P: rack -> queue when full -> lost
             route P: queue -> cell -> out

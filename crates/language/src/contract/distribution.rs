@@ -110,6 +110,31 @@ impl Distribution {
         self.greatest() <= 0.0
     }
 
+    /// The mean, or a number above it where the mean has no simple form.
+    pub fn mean_at_most(&self) -> f64 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Uniform { low, high } => f64::midpoint(low, high),
+            Self::Triangular { low, mode, high } => (low + mode + high) / 3.0,
+            Self::Pert { low, mode, high } => (low + 4.0 * mode + high) / 6.0,
+            Self::Beta {
+                alpha,
+                beta,
+                low,
+                high,
+            } => low + (high - low) * alpha / (alpha + beta),
+            // Cut off at 0; with a mean of 0 before, the mean is 0.798 deviations.
+            Self::Normal { mean, deviation } => mean + 0.8 * deviation,
+            Self::Lognormal { mean, .. }
+            | Self::Exponential { mean }
+            | Self::Erlang { mean, .. } => mean,
+            Self::Gamma { shape, scale } => shape * scale,
+            Self::Weibull { shape, scale } if shape >= 1.0 => scale,
+            Self::Weibull { .. } | Self::Empirical(_) => self.greatest(),
+            Self::Discrete(ref outcomes) => outcomes.iter().map(|(value, p)| value * p).sum(),
+        }
+    }
+
     /// Whether a draw is greater than 0 with probability 1.
     pub fn takes_time(&self) -> bool {
         match self {

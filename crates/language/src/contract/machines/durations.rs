@@ -193,15 +193,15 @@ fn drawn<'a>(
             mean: mean?,
         });
     }
+    // The first wrong parameter is reported: the others are often wrong in the same way.
     let mut numbers = Vec::new();
     for (at, value) in values.iter().enumerate() {
         numbers.push(if at < shapes {
-            shape(e, value)
+            shape(e, value)?
         } else {
-            non_negative(e, value, dimension)
+            non_negative(e, value, dimension)?
         });
     }
-    let numbers: Vec<f64> = numbers.into_iter().collect::<Option<_>>()?;
     let distribution = match (word, numbers.as_slice()) {
         ("constant", &[value]) => Distribution::Constant(value),
         ("exponential", &[mean]) => Distribution::Exponential { mean },
@@ -434,6 +434,15 @@ fn drawn_parts<'a>(e: &mut Elaborator<'a>, written: &'a TimeValue) -> Option<Dis
             *span,
             "these are more parts than a run supports",
             format!("write numbers up to {MAX_SECONDS:e}"),
+        );
+        return None;
+    }
+    if count.mean_at_most() < 1.0 {
+        e.findings.error_with(
+            codes::ARGUMENT,
+            *span,
+            "this is less than 1 part between two failures on average, but at least 1 part is between them",
+            "write numbers of parts, such as `every exponential(500) parts`; `every 1 part` fails after each part",
         );
         return None;
     }
