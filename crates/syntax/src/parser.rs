@@ -283,6 +283,12 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         );
     }
     let span = Span::new(file, at, at + word.len());
+    if word == "%" || context == Rule::bad_item && mend::UNITS.contains(&word.as_str()) {
+        let message = "a unit stands behind a number, and behind nothing else";
+        return Diagnostic::error(codes::SYNTAX, span, message).with_help(format!(
+            "multiply what stands in brackets: `(30 + 5) * 1 {word}`"
+        ));
+    }
     let opening = match word.as_str() {
         ")" => Some("("),
         "]" => Some("["),
@@ -556,6 +562,11 @@ fn finding_of(
     } else {
         (at, operator_at(&text[at..]))
     };
+    if let ErrorVariant::ParsingError { positives, .. } = &error.variant
+        && let Some(finding) = not_whole(file, start + at, &text[at..], positives)
+    {
+        return finding;
+    }
     let (expected, hint) = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => {
             let around = (&text[..at], &text[at + word.len()..]);
@@ -584,6 +595,16 @@ fn finding_of(
     if let Some(hint) = hint {
         return finding.with_help(hint);
     }
+    if (word == "%" || mend::UNITS.contains(&word.as_str())) && text[..at].trim_end().ends_with(')')
+    {
+        return finding.with_help(format!(
+            "a unit stands behind a number: multiply what stands in brackets, `(30 + 5) * 1 {word}`"
+        ));
+    }
+    let is_count = text[..at].trim().bytes().all(|byte| byte.is_ascii_digit());
+    if is_count && expected == "the end of the item" {
+        return finding.with_help("this number is a count, which has no unit");
+    }
     if expected == "a name or `)`" && word.starts_with(|c: char| c.is_ascii_digit()) {
         return finding.with_help("write the name of the parameter, as in `duration = 38 s`");
     }
@@ -607,6 +628,31 @@ fn finding_of(
     } else {
         finding.with_help(format!("expected {expected}"))
     }
+}
+
+/// Returns the finding for a number with a sign, a fraction or an exponent at the start of the text,
+/// where a count is expected.
+fn not_whole(file: FileId, at: usize, text: &str, expected: &[Rule]) -> Option<Diagnostic> {
+    if !expected.contains(&Rule::integer) {
+        return None;
+    }
+    let sign = text.len() - text.strip_prefix('-').unwrap_or(text).trim_start().len();
+    let digits = text[sign..].find(|c: char| !c.is_ascii_digit() && c != '.' && c != 'e');
+    let end = sign + digits.unwrap_or(text.len() - sign);
+    let number = text[..end].trim_end_matches(['.', 'e']);
+    let value: f64 = number[sign.min(number.len())..].parse().ok()?;
+    let message = if sign > 0 {
+        format!("`{number}` is negative, and a count cannot be")
+    } else {
+        format!("`{number}` is not a whole number")
+    };
+    let example = value.round().max(1.0);
+    let span = Span::new(file, at, at + number.len());
+    Some(
+        Diagnostic::error(codes::SYNTAX, span, message).with_help(format!(
+            "write a whole number in digits, without a sign or a unit, such as `{example}`"
+        )),
+    )
 }
 
 /// Returns help if a scope is being parsed. In a scope, `and` is expected but `or` is not, because

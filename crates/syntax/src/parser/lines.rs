@@ -10,6 +10,10 @@ const SHIFT: &str = "shift 0 h to 24 h ";
 /// A route to a list of places without a choice.
 const ROUTE: &str = "route P: a -> b, c ";
 
+/// A station, and a source, without options.
+const STATION: &str = "station x ";
+const SOURCE: &str = "source a: P every 1 s ";
+
 /// Returns the finding for text that was meant to continue a statement. Returns `None` if it is
 /// anything else.
 pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
@@ -21,6 +25,8 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     let before = match word.as_str() {
         "on" | "break" | "finish" => Some(SHIFT),
         "by" => Some(ROUTE),
+        "times" if context == Rule::bad_line_item => Some(STATION),
+        "," if word_at(after_comments(&code[1..])) == "at" => Some(SOURCE),
         _ => None,
     };
     if let Some(before) = before {

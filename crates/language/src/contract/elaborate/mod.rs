@@ -148,6 +148,15 @@ impl<'a> Elaborator<'a> {
                 );
                 None
             }
+            Some(Value::Scalar(Term::Real(x), Type::Number(Dimension::None))) => {
+                self.findings.error_with(
+                    codes::TYPE_MISMATCH,
+                    e.span,
+                    format!("{x} is not a whole number"),
+                    format!("write a whole number, such as `{}`", x.round()),
+                );
+                None
+            }
             Some(other) => {
                 self.findings
                     .mismatch(e.span, "a whole number", &other.ty());

@@ -444,8 +444,8 @@ impl<'a> Builder<'a, '_> {
         value: &'a ast::Expr,
     ) -> Option<Defect> {
         let index = self.find_part(part)?;
-        let p = non_negative(&mut self.e, probability, Dimension::None)?;
-        if p > 1.0 {
+        let p = self.e.constant_quantity(probability, Dimension::None)?;
+        if !(0.0..=1.0).contains(&p) {
             self.e.findings.error_with(
                 codes::ARGUMENT,
                 probability.span,

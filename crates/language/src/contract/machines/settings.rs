@@ -228,7 +228,11 @@ pub(in crate::contract) fn non_negative<'a>(
             } else {
                 "this has no finite value"
             },
-            "write a number that is at least 0, with its unit",
+            if dimension == Dimension::None {
+                "write a number that is at least 0"
+            } else {
+                "write a number that is at least 0, with its unit"
+            },
         );
         return None;
     }
