@@ -403,7 +403,7 @@ impl Line {
     }
 
     /// Returns whether a sink reorders from this source.
-    fn is_reordered_from(&self, source: usize) -> bool {
+    pub fn is_reordered_from(&self, source: usize) -> bool {
         let mut nodes = self.nodes.iter();
         nodes.any(|n| matches!(n.kind, NodeKind::Sink { reorder, .. } if reorder == Some(source)))
     }

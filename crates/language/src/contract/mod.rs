@@ -33,7 +33,7 @@ mod value;
 
 pub use definitions::{DefinedValue, Definition};
 pub use load::{load, load_with, settable};
-pub use routes::NONE_HOLDS;
+pub use routes::{NONE_HOLDS, is_covered};
 pub use table::MAX_ROWS;
 pub use units::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration, is_energy};
 

@@ -5,7 +5,8 @@
 //! there for ever: the part is neither taken out of the line nor joined to others there, and no
 //! route leads on.
 
-use super::line::{Choice, Line, NodeKind, Route};
+use super::line::{Choice, Line, NodeKind, PartType, Route, Supply};
+use super::machine::{RealBinary, RealExpr};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use std::collections::BTreeSet;
 
@@ -16,31 +17,26 @@ pub const NONE_HOLDS: &str = "if none of the conditions holds";
 pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     let mut ended: Vec<usize> = Vec::new();
     for route in &line.routes {
-        let (place, ty) = (&line.nodes[route.to], &line.parts[route.part]);
-        let from = &line.nodes[route.from];
+        let (from, to) = (&line.nodes[route.from], &line.nodes[route.to]);
+        let mut refuse = |way: &str, place: &str, help: &str| {
+            let ty = &line.parts[route.part].name;
+            let message = format!("a `{ty}` is sent {way} `{place}`");
+            findings
+                .push(Diagnostic::error(codes::LINE_ROUTE, route.span, message).with_help(help));
+        };
         if matches!(from.kind, NodeKind::Sink { .. }) {
-            findings.push(
-                Diagnostic::error(
-                    codes::LINE_ROUTE,
-                    route.span,
-                    format!("a `{}` is sent on from the sink `{}`", ty.name, from.name),
-                )
-                .with_help("parts leave the line at a sink: end the route there"),
-            );
+            let help = "parts leave the line at a sink: end the route there";
+            refuse("on from the sink", &from.name, help);
         }
-        if matches!(place.kind, NodeKind::Source { .. }) {
-            findings.push(
-                Diagnostic::error(
-                    codes::LINE_ROUTE,
-                    route.span,
-                    format!("a `{}` is sent into the source `{}`", ty.name, place.name),
-                )
-                .with_help("a source takes no parts: send the part to a `sink` or a `store`"),
-            );
+        if matches!(to.kind, NodeKind::Source { .. }) {
+            let help = "a source takes no parts: send the part to a `sink` or a `store`";
+            refuse("into the source", &to.name, help);
         }
     }
     report_never_taken(line, findings);
+    report_covered(line, findings);
     report_after_endless_room(line, findings);
+    report_empty_sources(line, findings);
     report_unreached(line, findings);
     for (part, ty) in line.parts.iter().enumerate() {
         let mut open: Vec<usize> = origins(line, part);
@@ -276,6 +272,150 @@ fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
             )
             .with_help(help),
         );
+    }
+}
+
+/// Maximum number of combinations of values for which conditions are tried.
+const MAX_COMBINATIONS: usize = 100_000;
+
+/// Returns whether no part ever takes a route because, whatever values the part has, it takes one of
+/// the routes with a condition that come before. If this is too large to be decided, returns false.
+/// A route to the place of one of these is no mistake, because routes share their ends.
+pub fn is_covered(line: &Line, index: usize) -> bool {
+    let route = &line.routes[index];
+    let earlier = &line.routes[..line.first_of_way(index)];
+    let earlier = earlier.iter().filter(|first| {
+        let is_same = (first.part, first.from) == (route.part, route.from);
+        is_same && first.condition.is_some()
+    });
+    let conditions: Vec<&RealExpr> = earlier
+        .clone()
+        .filter_map(|first| first.condition.as_ref())
+        .collect();
+    let mut ends = earlier.map(|first| first.to);
+    if conditions.is_empty() || ends.any(|to| to == route.to) {
+        return false;
+    }
+    let part = &line.parts[route.part];
+    let Some(tried) = values_to_try(part, &conditions) else {
+        return false;
+    };
+    let mut values = vec![0.0; part.properties.len()];
+    let combinations: usize = tried.iter().map(|(_, values)| values.len()).product();
+    (0..combinations).all(|number| {
+        let mut rest = number;
+        for (property, of) in &tried {
+            values[*property] = of[rest % of.len()];
+            rest /= of.len();
+        }
+        let mut conditions = conditions.iter();
+        conditions.any(|condition| condition.eval(&values, &[]) != 0.0)
+    })
+}
+
+/// Returns values of the properties in these conditions such that the conditions cover everything if
+/// they cover each combination of these: all values, or for real numbers one at, between and beyond
+/// the numbers with which they are compared. `None` if that is too many, or if real numbers are used
+/// in another way.
+fn values_to_try(part: &PartType, conditions: &[&RealExpr]) -> Option<Vec<(usize, Vec<f64>)>> {
+    let mut used: BTreeSet<usize> = BTreeSet::new();
+    for condition in conditions {
+        condition.for_each(&mut |expr| {
+            if let RealExpr::Property(property) = expr {
+                used.insert(*property);
+            }
+        });
+    }
+    let mut combinations: usize = 1;
+    let mut all = Vec::new();
+    for property in used {
+        let values: Vec<f64> = match &part.properties.get(property)?.domain {
+            Some(domain) if domain.size() <= MAX_COMBINATIONS as u64 => {
+                (domain.low()..=domain.high()).map(|value| value as f64).collect()
+            }
+            Some(_) => return None,
+            None => {
+                let mut compared = Vec::new();
+                let mut conditions = conditions.iter();
+                if !conditions.all(|condition| compares(condition, property, &mut compared)) {
+                    return None;
+                }
+                compared.sort_by(f64::total_cmp);
+                let (first, last) = (*compared.first()?, *compared.last()?);
+                let between = compared.windows(2).map(|pair| f64::midpoint(pair[0], pair[1]));
+                let between: Vec<f64> = between.collect();
+                let beyond = [first - first.abs() - 1.0, last + last.abs() + 1.0];
+                compared.into_iter().chain(between).chain(beyond).collect()
+            }
+        };
+        combinations = combinations.saturating_mul(values.len());
+        all.push((property, values));
+    }
+    (combinations <= MAX_COMBINATIONS).then_some(all)
+}
+
+/// Collects the numbers with which a property is compared. Returns whether the expression uses the
+/// property in no other way.
+fn compares(expr: &RealExpr, property: usize, with: &mut Vec<f64>) -> bool {
+    use RealBinary::{Eq, Ge, Gt, Le, Lt, Ne};
+    match expr {
+        RealExpr::Number(_) | RealExpr::Wire(_) => true,
+        RealExpr::Property(used) => *used != property,
+        RealExpr::Unary(_, a) => compares(a, property, with),
+        RealExpr::Binary(op, a, b) => match (&**a, &**b) {
+            (RealExpr::Property(used), RealExpr::Number(number))
+            | (RealExpr::Number(number), RealExpr::Property(used))
+                if *used == property && matches!(op, Eq | Ne | Lt | Le | Gt | Ge) =>
+            {
+                with.push(*number);
+                true
+            }
+            (a, b) => compares(a, property, with) && compares(b, property, with),
+        },
+        RealExpr::If(c, a, b) => {
+            let mut all = [c, a, b].into_iter();
+            all.all(|part| compares(part, property, with))
+        }
+    }
+}
+
+/// Reports routes behind conditions of which one always holds.
+fn report_covered(line: &Line, findings: &mut Vec<Diagnostic>) {
+    for (index, route) in line.routes.iter().enumerate() {
+        if line.first_of_way(index) != index || !is_covered(line, index) {
+            continue;
+        }
+        let (ty, from) = (&line.parts[route.part].name, &line.nodes[route.from].name);
+        let message = format!(
+            "no `{ty}` ever takes this route from `{from}`: whatever its values are, a condition of the routes before it holds"
+        );
+        findings.push(
+            Diagnostic::warning(codes::LINE_ROUTE, route.span, message)
+                .with_help("remove the route, or correct the conditions before it"),
+        );
+    }
+}
+
+/// Reports sources that make nothing, because their limit is 0 and no sink orders replacements.
+fn report_empty_sources(line: &Line, findings: &mut Vec<Diagnostic>) {
+    for (node, source) in line.nodes.iter().enumerate() {
+        let is_empty = match &source.kind {
+            NodeKind::Source {
+                supply: Supply::Every { limit, .. },
+                ..
+            } => *limit == Some(0),
+            _ => false,
+        };
+        if is_empty && !line.is_reordered_from(node) {
+            findings.push(
+                Diagnostic::warning(
+                    codes::LINE_ROUTE,
+                    source.span,
+                    format!("`{}` makes no part: its limit is 0", source.name),
+                )
+                .with_help("write a limit of at least 1, or remove the source"),
+            );
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use super::{Calls, machine_of};
 use crate::abstraction::words::an;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Formula;
+use linewright_language::contract::is_covered;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::{Component, Machine};
 use linewright_station::{ErrorCode, messages};
@@ -319,6 +320,7 @@ impl Writer<'_> {
             let is_net = route.condition.is_none() && !self.is_idle_station(route.to);
             if calls.taken[index]
                 || is_net
+                || is_covered(self.line(), index)
                 || self.walk.stranded.iter().any(is_stranded)
                 || !self.walk.vertices.iter().any(leaves)
             {

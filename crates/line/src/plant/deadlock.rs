@@ -168,7 +168,7 @@ impl Run<'_> {
                 makes
                     && match waiting {
                         Some(_) => prospects.leaves[node],
-                        None => !source.exhausted() || self.may_be_ordered(node),
+                        None => !source.exhausted() || self.line.is_reordered_from(node),
                     }
             }
             Place::Sink => false,
@@ -198,14 +198,6 @@ impl Run<'_> {
                 self.gets_free(node, prospects) && prospects.has_some(node, kind)
             }
         }
-    }
-
-    /// Whether replacements may be ordered from a source.
-    fn may_be_ordered(&self, source: usize) -> bool {
-        let mut nodes = self.line.nodes.iter();
-        nodes.any(|node| {
-            matches!(node.kind, NodeKind::Sink { reorder: Some(from), .. } if from == source)
-        })
     }
 
     /// Whether some part waits that can never leave its place.
