@@ -148,7 +148,7 @@ pub(super) fn of_runs(line: &Line, traces: &[Trace]) -> Vec<Estimated> {
     for (index, station) in stations.iter().enumerate() {
         let node = station.node;
         let of_station = traces.iter().map(|trace| &trace.stations[index]);
-        let causes = of_station.clone().flat_map(|station| &station.waits);
+        let causes = of_station.flat_map(|station| &station.waits);
         let causes: BTreeSet<Cause> = causes
             .map(|wait| Cause {
                 node,
@@ -168,7 +168,7 @@ pub(super) fn of_runs(line: &Line, traces: &[Trace]) -> Vec<Estimated> {
             };
             all.push(estimate(Subject::Wait(cause.clone()), &share));
         }
-        for state in used_states(of_station.map(|station| station.joules_by_state)) {
+        for state in STATES {
             let kwh = |trace: &Trace| Some(kwh_in(state, trace.stations[index].joules_by_state));
             all.push(estimate(Subject::Energy { node, state }, &kwh));
         }
@@ -191,14 +191,12 @@ pub(super) fn of_batches(line: &Line, trace: &Trace) -> Vec<Estimated> {
     let name = |node: u32| line.nodes[node as usize].name.clone();
     for station in &trace.stations {
         let node = station.node;
-        let of_batches = || {
-            let batches = trace.batches.iter();
-            batches.filter_map(move |batch| match batch.places.get(node) {
-                Some(PlaceFigures::Station(station)) => Some(station),
-                _ => None,
-            })
-        };
-        let causes = of_batches().flat_map(|station| &station.causes);
+        let batches = trace.batches.iter();
+        let of_batches = batches.filter_map(|batch| match batch.places.get(node) {
+            Some(PlaceFigures::Station(station)) => Some(station),
+            _ => None,
+        });
+        let causes = of_batches.flat_map(|station| &station.causes);
         let causes: BTreeSet<_> = causes
             .map(|cause| (cause.kind, cause.place, cause.station))
             .collect();
@@ -227,7 +225,7 @@ pub(super) fn of_batches(line: &Line, trace: &Trace) -> Vec<Estimated> {
                 lag_1,
             });
         }
-        for state in used_states(of_batches().map(|station| station.joules)) {
+        for state in STATES {
             let (value, lag_1) = batches::estimate_over_time(trace, true, |batch| {
                 let Some(PlaceFigures::Station(station)) = batch.places.get(node) else {
                     return 0.0;
@@ -245,19 +243,15 @@ pub(super) fn of_batches(line: &Line, trace: &Trace) -> Vec<Estimated> {
     all
 }
 
-/// The states in which energy was used.
-fn used_states(all: impl Iterator<Item = StateJoules>) -> Vec<Measure> {
-    let mut used: Vec<Measure> = Vec::new();
-    for joules in all {
-        for (state, joules) in joules.by_state() {
-            if joules > 0.0 && !used.contains(&state) {
-                used.push(state);
-            }
-        }
-    }
-    used.sort_by_key(|state| *state as usize);
-    used
-}
+/// The states of a station, each by the measure of the time in it.
+const STATES: [Measure; 6] = [
+    Measure::Busy,
+    Measure::Starved,
+    Measure::Blocked,
+    Measure::Failed,
+    Measure::Setup,
+    Measure::Idle,
+];
 
 fn kwh_in(state: Measure, joules: StateJoules) -> f64 {
     let mut states = joules.by_state().into_iter();

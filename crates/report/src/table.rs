@@ -343,13 +343,9 @@ pub fn details(line: &Line, trace: &Trace, intervals: Option<Intervals<'_>>) -> 
     out
 }
 
-/// Writes the estimates of all measures that are not 0 throughout.
+/// Writes the estimates of all measures.
 fn measures(out: &mut String, line: &Line, measures: &[Estimated], are_batches: bool) {
-    let is_shown = |of: &&Estimated| {
-        let value = of.value;
-        value.is_some_and(|value| value.mean != 0.0 || value.half_width.is_some_and(|h| h > 0.0))
-    };
-    let rows = measures.iter().filter(is_shown).map(|of| {
+    let rows = measures.iter().map(|of| {
         let measure = of.subject.measure();
         let (label, places) = match measure.info().unit {
             MeasureUnit::Share => (of.subject.label(line), 4),
@@ -366,11 +362,14 @@ fn measures(out: &mut String, line: &Line, measures: &[Estimated], are_batches: 
     columns(out, heads, &rows.collect::<Vec<_>>());
 }
 
-/// Writes the energy of each station by state, if there is any.
+/// Writes the energy of each station by state, if any station uses energy.
 fn energy_by_state(out: &mut String, trace: &Trace) {
-    let stations = || trace.stations.iter().filter(|station| station.joules > 0.0);
-    let unit = unit_of(stations().map(|station| station.joules));
-    let rows = stations().map(|station| {
+    let stations = trace.stations.iter();
+    let unit = unit_of(stations.clone().map(|station| station.joules));
+    if stations.clone().all(|station| station.joules <= 0.0) {
+        return;
+    }
+    let rows = stations.map(|station| {
         let states = station.joules_by_state.by_state();
         let states = states.map(|(_, joules)| in_unit(joules, unit));
         std::iter::once(station.name.clone())
