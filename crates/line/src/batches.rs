@@ -30,7 +30,7 @@ use super::metric::{Figures, JOULES_PER_KWH, measure, oee_factor, of_lead_time, 
 use super::replicate::Estimate;
 use super::requirement::{self, ReplicatedRequirement, Sample};
 use super::trace::{
-    End, LeadTime, Oee, Percentiles, Shares, StateJoules, Trace, WaitKind, Yields, duration,
+    ByState, End, LeadTime, Oee, Percentiles, Trace, WaitKind, Yields, duration,
 };
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::calendar::WorkCalendar;
@@ -120,7 +120,7 @@ pub(super) enum PlaceFigures {
 /// The figures of a station in a batch.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StationFigures {
-    pub shares: Shares,
+    pub shares: ByState,
     pub oee: Option<Oee>,
     /// Planned time in seconds.
     pub planned: f64,
@@ -128,7 +128,7 @@ pub(super) struct StationFigures {
     pub busy: f64,
     /// Number of parts whose work ended, or that a failure scrapped.
     pub parts: u64,
-    pub joules: StateJoules,
+    pub joules: ByState,
     /// Waits that ended.
     pub causes: Vec<CauseTime>,
 }
@@ -211,8 +211,7 @@ impl Figures for Batch {
 
 impl StationFigures {
     fn kwh(&self) -> f64 {
-        let joules = self.joules.by_state();
-        joules.iter().map(|(_, joules)| joules).sum::<f64>() / JOULES_PER_KWH
+        self.joules.figures().iter().sum::<f64>() / JOULES_PER_KWH
     }
 }
 

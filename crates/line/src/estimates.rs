@@ -3,7 +3,7 @@
 use super::batches::{self, PlaceFigures};
 use super::metric::{Figures as _, JOULES_PER_KWH, measure};
 use super::replicate::Estimate;
-use super::trace::{StateJoules, Trace, WaitKind};
+use super::trace::{ByState, Trace, WaitKind};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::metric::{MEASURES, Measure, Metric, PlaceKind};
 use std::collections::BTreeSet;
@@ -168,7 +168,7 @@ pub(super) fn of_runs(line: &Line, traces: &[Trace]) -> Vec<Estimated> {
             };
             all.push(estimate(Subject::Wait(cause.clone()), &share));
         }
-        for state in STATES {
+        for state in ByState::STATES {
             let kwh = |trace: &Trace| Some(kwh_in(state, trace.stations[index].joules_by_state));
             all.push(estimate(Subject::Energy { node, state }, &kwh));
         }
@@ -225,7 +225,7 @@ pub(super) fn of_batches(line: &Line, trace: &Trace) -> Vec<Estimated> {
                 lag_1,
             });
         }
-        for state in STATES {
+        for state in ByState::STATES {
             let (value, lag_1) = batches::estimate_over_time(trace, true, |batch| {
                 let Some(PlaceFigures::Station(station)) = batch.places.get(node) else {
                     return 0.0;
@@ -243,18 +243,6 @@ pub(super) fn of_batches(line: &Line, trace: &Trace) -> Vec<Estimated> {
     all
 }
 
-/// The states of a station, each by the measure of the time in it.
-const STATES: [Measure; 6] = [
-    Measure::Busy,
-    Measure::Starved,
-    Measure::Blocked,
-    Measure::Failed,
-    Measure::Setup,
-    Measure::Idle,
-];
-
-fn kwh_in(state: Measure, joules: StateJoules) -> f64 {
-    let mut states = joules.by_state().into_iter();
-    let found = states.find(|(of, _)| *of == state);
-    found.map_or(0.0, |(_, joules)| joules / JOULES_PER_KWH)
+fn kwh_in(state: Measure, joules: ByState) -> f64 {
+    joules.of(state).unwrap_or(0.0) / JOULES_PER_KWH
 }

@@ -1,7 +1,7 @@
 //! Values of metrics in a run, and in its batches.
 
 use super::trace::{
-    BufferStatistics, ConveyorStatistics, LeadTime, Oee, Percentiles, Shares, StationStatistics,
+    BufferStatistics, ByState, ConveyorStatistics, LeadTime, Oee, Percentiles, StationStatistics,
     Trace,
 };
 use linewright_language::contract::line::Line;
@@ -183,23 +183,10 @@ fn of_conveyor(measure: Measure, conveyor: &ConveyorStatistics) -> f64 {
 }
 
 /// The share of a station's time that a measure is about.
-pub(super) fn of_station(measure: Measure, shares: Shares) -> f64 {
-    let Shares {
-        busy,
-        starved,
-        blocked,
-        failed,
-        idle,
-        setup,
-    } = shares;
-    match measure {
-        Measure::Busy => busy,
-        Measure::Starved => starved,
-        Measure::Blocked => blocked,
-        Measure::Failed => failed,
-        Measure::Idle => idle,
-        Measure::Setup => setup,
-        _ => unreachable!("{measure:?} is not about a station; please report this"),
+pub(super) fn of_station(measure: Measure, shares: ByState) -> f64 {
+    match shares.of(measure) {
+        Some(share) => share,
+        None => unreachable!("{measure:?} is not about a station; please report this"),
     }
 }
 

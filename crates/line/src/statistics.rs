@@ -2,7 +2,7 @@
 
 pub(super) use super::log::Activity;
 use super::random::{Purpose, Stream};
-use super::trace::{LeadTime, Oee, OverTime, Percentiles, Shares, StateJoules};
+use super::trace::{ByState, LeadTime, Oee, OverTime, Percentiles};
 
 /// Books time by activity.
 #[derive(Debug, Clone)]
@@ -90,10 +90,10 @@ impl Clock {
 
     /// The energy of a station by state: `joules` in all, of which the idle power outside work is
     /// divided. `visited` states whether any part ever reached the station.
-    pub(super) fn energy(&self, joules: f64, idle_watts: f64, visited: bool) -> StateJoules {
+    pub(super) fn energy(&self, joules: f64, idle_watts: f64, visited: bool) -> ByState {
         let shares = self.shares(visited);
         let idle = |share: f64| idle_watts * self.total() * share;
-        StateJoules {
+        ByState {
             busy: (joules - idle_watts * self.outside_work()).max(0.0),
             starved: idle(shares.starved),
             blocked: idle(shares.blocked),
@@ -105,16 +105,16 @@ impl Clock {
 
     /// Shares of the total booked time. `visited` states whether any part ever reached the station.
     /// If no time was booked, the idle share is 1.
-    pub(super) fn shares(&self, visited: bool) -> Shares {
+    pub(super) fn shares(&self, visited: bool) -> ByState {
         let total = self.total();
         if total <= 0.0 {
-            return Shares {
+            return ByState {
                 idle: 1.0,
-                ..Shares::default()
+                ..ByState::default()
             };
         }
         let share = |activity| self.seconds(activity) / total;
-        let mut shares = Shares {
+        let mut shares = ByState {
             busy: share(Activity::Busy),
             starved: share(Activity::Starved),
             blocked: share(Activity::Blocked),

@@ -194,9 +194,9 @@ pub struct ProductStatistics {
     pub lead_time_percentiles: Percentiles,
 }
 
-/// Shares of a station's time, each from 0 to 1; their sum is 1.
+/// Figures of a station by its state: shares of its time, whose sum is 1, or its energy in joules.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Shares {
+pub struct ByState {
     /// In work on a part.
     pub busy: f64,
     /// Free, but no part to work on has come.
@@ -211,41 +211,38 @@ pub struct Shares {
     pub setup: f64,
 }
 
-impl Shares {
-    /// The share in which the station itself was the constraint: busy, setup and failed.
+impl ByState {
+    /// The states, each by the measure of the time in it, whose name is that of the state.
+    pub const STATES: [Measure; 6] = [
+        Measure::Busy,
+        Measure::Starved,
+        Measure::Blocked,
+        Measure::Failed,
+        Measure::Idle,
+        Measure::Setup,
+    ];
+
+    /// The figures in the order of [`Self::STATES`].
+    pub fn figures(&self) -> [f64; 6] {
+        [
+            self.busy,
+            self.starved,
+            self.blocked,
+            self.failed,
+            self.idle,
+            self.setup,
+        ]
+    }
+
+    /// The figure of a state; `None` for a measure that is none.
+    pub fn of(&self, state: Measure) -> Option<f64> {
+        let at = Self::STATES.iter().position(|of| *of == state)?;
+        Some(self.figures()[at])
+    }
+
+    /// What the station itself took as the constraint: busy, setup and failed.
     pub fn engaged(&self) -> f64 {
         self.busy + self.setup + self.failed
-    }
-}
-
-/// Energy of a station in joules, by the state in which it was used.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StateJoules {
-    /// In work on a part.
-    pub busy: f64,
-    /// Idle power while no part came.
-    pub starved: f64,
-    /// Idle power while the next place had no room.
-    pub blocked: f64,
-    /// Idle power while the station was broken down or under repair.
-    pub failed: f64,
-    /// Idle power off shift. At a station that no part ever reached, also while it waited.
-    pub idle: f64,
-    /// Idle power in setup for another part type.
-    pub setup: f64,
-}
-
-impl StateJoules {
-    /// The energy by state, with the state's metric, the names of which are those of the states.
-    pub fn by_state(&self) -> [(Measure, f64); 6] {
-        [
-            (Measure::Busy, self.busy),
-            (Measure::Starved, self.starved),
-            (Measure::Blocked, self.blocked),
-            (Measure::Failed, self.failed),
-            (Measure::Idle, self.idle),
-            (Measure::Setup, self.setup),
-        ]
     }
 }
 
@@ -276,13 +273,13 @@ pub struct StationStatistics {
     /// Number of parts whose service ended.
     pub processed: u64,
     /// Shares of the station's time.
-    pub shares: Shares,
+    pub shares: ByState,
     /// Seconds in work.
     pub busy_seconds: f64,
     /// Energy in joules: services, plus idle power outside them.
     pub joules: f64,
-    /// The same by state.
-    pub joules_by_state: StateJoules,
+    /// The same by state: outside `busy` it is idle power.
+    pub joules_by_state: ByState,
     /// Mean time of the work on a part, without failures; `None` if no service ended.
     pub work_time: Option<WorkTime>,
     /// Overall equipment effectiveness; `None` without planned time, without work, or if no service

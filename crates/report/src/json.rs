@@ -9,7 +9,7 @@ use linewright_language::contract::metric::{Measure, MeasureUnit};
 use linewright_line::estimates::{Estimated, Subject};
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{
-    LeadTime, Oee, OverTime, Shares, SourceStatistics, StateJoules, StationStatistics, WaitKind,
+    ByState, LeadTime, Oee, OverTime, SourceStatistics, StationStatistics, WaitKind,
     WorkTime,
 };
 use linewright_line::{
@@ -449,8 +449,8 @@ fn measures(line: &Line, measures: &[Estimated]) -> Value {
     rows.collect()
 }
 
-fn energy_by_state(joules: &StateJoules) -> Value {
-    let states = joules.by_state().into_iter();
+fn energy_by_state(joules: &ByState) -> Value {
+    let states = ByState::STATES.iter().zip(joules.figures());
     let states = states.map(|(state, joules)| (state.info().name.to_owned(), json!(kwh(joules))));
     Value::Object(states.collect())
 }
@@ -502,22 +502,16 @@ pub(super) fn round(value: f64, places: i32) -> f64 {
 
 /// Rounds shares to six decimal places so that they sum to 1: the largest share absorbs the
 /// rounding error.
-fn rounded(shares: &Shares) -> Shares {
-    let mut millionths = [
-        shares.busy,
-        shares.starved,
-        shares.blocked,
-        shares.failed,
-        shares.idle,
-        shares.setup,
-    ]
-    .map(|share| (share * 1e6).round() as i64);
+fn rounded(shares: &ByState) -> ByState {
+    let mut millionths = shares
+        .figures()
+        .map(|share| (share * 1e6).round() as i64);
     let rest = 1_000_000 - millionths.iter().sum::<i64>();
     if let Some(greatest) = millionths.iter_mut().max() {
         *greatest += rest;
     }
     let [busy, starved, blocked, failed, idle, setup] = millionths.map(|m| m as f64 / 1e6);
-    Shares {
+    ByState {
         busy,
         starved,
         blocked,
@@ -534,11 +528,11 @@ mod tests {
     #[test]
     fn rounded_shares_sum_to_one() {
         let third = 1.0 / 3.0;
-        let shares = rounded(&Shares {
+        let shares = rounded(&ByState {
             busy: third,
             starved: third,
             blocked: third,
-            ..Shares::default()
+            ..ByState::default()
         });
         let millionths = |share: f64| (share * 1e6).round() as i64;
         assert_eq!(

@@ -7,8 +7,10 @@
 
 use linewright_line::{Batches, Replications};
 
+mod columns;
 mod energy;
 pub mod html;
+mod intervals;
 mod json;
 mod table;
 mod what_if;

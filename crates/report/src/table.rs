@@ -1,16 +1,13 @@
-//! A run as text for a terminal that is 100 columns wide.
+//! A run as text for a terminal that is 100 columns wide. The tables of estimates are in
+//! `intervals.rs`.
 
 use super::Intervals;
+use super::columns::{columns, percent, small};
 use super::energy::{EnergyUnit, energy};
+use super::intervals::{batch_means, measures, replicated, requirements_of_all};
 use linewright_language::contract::line::{Comparison, Line};
-use linewright_language::contract::metric::{Measure, MeasureUnit};
-use linewright_line::estimates::{Estimated, Subject};
-use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{End, Oee, WaitKind, clock, duration};
-use linewright_line::{
-    Batches, Bottleneck, Candidate, Estimate, ReplicatedRequirement, Replications, Trace,
-};
-use std::borrow::Cow;
+use linewright_line::{Bottleneck, Candidate, Trace};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -255,8 +252,7 @@ fn products(out: &mut String, line: &Line, trace: &Trace) {
 fn stations(out: &mut String, trace: &Trace) {
     let unit = unit_of(trace.stations.iter().map(|station| station.joules));
     let rows = trace.stations.iter().map(|station| {
-        let s = &station.shares;
-        let shares = [s.busy, s.starved, s.blocked, s.failed, s.idle, s.setup];
+        let shares = station.shares.figures();
         [
             station.name.clone(),
             station
@@ -343,25 +339,6 @@ pub fn details(line: &Line, trace: &Trace, intervals: Option<Intervals<'_>>) -> 
     out
 }
 
-/// Writes the estimates of all measures.
-fn measures(out: &mut String, line: &Line, measures: &[Estimated], are_batches: bool) {
-    let rows = measures.iter().map(|of| {
-        let measure = of.subject.measure();
-        let (label, places) = match measure.info().unit {
-            MeasureUnit::Share => (of.subject.label(line), 4),
-            _ => (of.subject.label(line), 3),
-        };
-        let mut row = energy_row(measure, label, of.value, places);
-        if are_batches {
-            row.push(measured(of.lag_1, 2));
-        }
-        row
-    });
-    let heads = ["all measures, 95 %", "mean", "from", "to", "lag 1"];
-    let heads = if are_batches { &heads[..] } else { &heads[..4] };
-    columns(out, heads, &rows.collect::<Vec<_>>());
-}
-
 /// Writes the energy of each station by state, if any station uses energy.
 fn energy_by_state(out: &mut String, trace: &Trace) {
     let stations = trace.stations.iter();
@@ -370,8 +347,8 @@ fn energy_by_state(out: &mut String, trace: &Trace) {
         return;
     }
     let rows = stations.map(|station| {
-        let states = station.joules_by_state.by_state();
-        let states = states.map(|(_, joules)| in_unit(joules, unit));
+        let states = station.joules_by_state.figures();
+        let states = states.map(|joules| in_unit(joules, unit));
         std::iter::once(station.name.clone())
             .chain(states)
             .collect()
@@ -518,38 +495,8 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
     );
 }
 
-/// Writes the requirements over all replications or batches: the verdict, the mean with its
-/// confidence interval, and the value in the worst of them.
-fn requirements_of_all(out: &mut String, line: &Line, requirements: &[ReplicatedRequirement]) {
-    let rows = requirements.iter().enumerate().map(|(index, result)| {
-        let [mean, low, high] = ends(result.value).map(|end| end.map_or("-".to_owned(), small));
-        vec![
-            result.name.clone(),
-            result.verdict.word().to_owned(),
-            required(line, index),
-            mean,
-            low,
-            high,
-            result.worst_value.map_or("-".to_owned(), small),
-        ]
-    });
-    columns(
-        out,
-        &[
-            "requirement",
-            "verdict",
-            "required",
-            "mean",
-            "from",
-            "to",
-            "worst",
-        ],
-        &rows.collect::<Vec<_>>(),
-    );
-}
-
 /// Returns the condition of requirement number `index` of the line, such as `products >= 5`.
-fn required(line: &Line, index: usize) -> String {
+pub(super) fn required(line: &Line, index: usize) -> String {
     required_with(line, index, |bound| bound.to_string())
 }
 
@@ -567,166 +514,6 @@ pub(super) fn required_with(line: &Line, index: usize, number: impl Fn(f64) -> S
             number(bound)
         )
     })
-}
-
-/// Measures of a table of estimates, and their decimal places.
-pub(super) fn estimated(measure: Measure) -> (&'static str, usize) {
-    match measure {
-        Measure::Throughput => ("throughput an hour", 3),
-        Measure::LeadTime => ("mean lead time in s", 3),
-        Measure::LeadTimeMedian => ("median in s", 3),
-        Measure::LeadTimePercentile => ("95th percentile in s", 3),
-        Measure::Wip => ("mean WIP", 3),
-        Measure::Makespan => ("makespan in seconds", 1),
-        Measure::Energy => ("energy in kWh", 4),
-        _ => (measure.info().label, 3),
-    }
-}
-
-fn estimate_row(measure: Measure, estimate: Option<Estimate>) -> Vec<String> {
-    let (label, places) = estimated(measure);
-    energy_row(measure, label.to_owned(), estimate, places)
-}
-
-/// A row with a mean and its interval, an energy in a unit that shows it.
-fn energy_row(
-    measure: Measure,
-    label: String,
-    estimate: Option<Estimate>,
-    places: usize,
-) -> Vec<String> {
-    let (label, scale) = match estimate {
-        Some(estimate) => shown_in(measure, label, estimate.mean),
-        None => (label, 1.0),
-    };
-    let estimate = estimate.map(|estimate| estimate.scaled(scale));
-    let [mean, low, high] = interval(estimate, places);
-    vec![label, mean, low, high]
-}
-
-/// The label of a measure with the unit in which this value is shown, and how many of that unit are
-/// one of the measure's own.
-pub(super) fn shown_in(measure: Measure, label: String, value: f64) -> (String, f64) {
-    if measure.info().unit != MeasureUnit::KilowattHours {
-        return (label, 1.0);
-    }
-    let unit = EnergyUnit::of(value * JOULES_PER_KWH);
-    let label = label.replace("in kWh", &format!("in {}", unit.symbol()));
-    (label, JOULES_PER_KWH / unit.joules())
-}
-
-/// The rows of a table of estimates, in the order of the measures; the makespan is the last of the
-/// times.
-fn in_order(mut rows: Vec<(Measure, Vec<String>)>) -> Vec<Vec<String>> {
-    let place = |measure: Measure| match measure {
-        Measure::Makespan => Measure::WipMax as usize,
-        _ => measure as usize,
-    };
-    rows.sort_by_key(|(measure, _)| place(*measure));
-    rows.into_iter().map(|(_, row)| row).collect()
-}
-
-/// Further rows of a table of estimates: those that are not 0 throughout.
-fn further_rows(measures: &[Estimated]) -> impl Iterator<Item = &Estimated> {
-    let wanted = [
-        Measure::ThroughputOnShift,
-        Measure::LeadTimeMedian,
-        Measure::EnergyPerProduct,
-        Measure::FirstPassYield,
-        Measure::Scrap,
-        Measure::Rejected,
-    ];
-    let of_line = measures.iter().filter(|of| match &of.subject {
-        Subject::Metric(metric) => metric.nodes.is_empty() && metric.product.is_none(),
-        Subject::Wait(_) | Subject::Energy { .. } => false,
-    });
-    of_line.filter(move |of| {
-        let measure = of.subject.measure();
-        let rejects = |measure| {
-            let mut rejected = measures.iter().filter(|of| of.subject.measure() == measure);
-            rejected.any(|of| of.value.is_some_and(|value| value.mean > 0.0))
-        };
-        let is_used = match measure {
-            Measure::FirstPassYield => rejects(Measure::Scrap) || rejects(Measure::Rejected),
-            _ => of.value.is_some_and(|value| value.mean > 0.0),
-        };
-        wanted.contains(&measure) && is_used
-    })
-}
-
-/// Writes the means of the batches with their intervals and lag-1 autocorrelations.
-fn batch_means(out: &mut String, batches: &Batches) {
-    let row = |measure, value, lag_1| {
-        let mut row = estimate_row(measure, value);
-        row.push(measured(lag_1, 2));
-        row
-    };
-    let first = batches.estimates.iter();
-    let first = first.map(|e| (e.measure, row(e.measure, e.value, e.lag_1)));
-    let further = further_rows(&batches.measures).map(|of| {
-        let measure = of.subject.measure();
-        (measure, row(measure, of.value, of.lag_1))
-    });
-    let rows = in_order(first.chain(further).collect());
-    let each = batches.seconds.map_or(String::new(), |seconds| {
-        format!(" of {}", duration(seconds))
-    });
-    let title = format!("{} batches{each}, 95 %", batches.count);
-    columns(out, &[&title, "mean", "from", "to", "lag 1"], &rows);
-}
-
-fn replicated(out: &mut String, replications: &Replications) {
-    let first = [
-        (Measure::Throughput, replications.throughput_per_hour),
-        (Measure::LeadTime, replications.lead_time),
-        (Measure::LeadTimePercentile, replications.lead_time_p95),
-        (Measure::Wip, replications.wip),
-        (Measure::Makespan, replications.makespan),
-        (Measure::Energy, replications.energy_kwh),
-    ];
-    let further = further_rows(&replications.measures);
-    let further = further.map(|of| (of.subject.measure(), of.value));
-    let rows = first.into_iter().chain(further);
-    let rows = rows.map(|(measure, value)| (measure, estimate_row(measure, value)));
-    let rows = in_order(rows.collect());
-    let title = match replications.seeds[..] {
-        [first, .., last] => format!("seeds {first} to {last}, 95 %"),
-        _ => "1 seed, 95 %".to_owned(),
-    };
-    columns(out, &[&title, "mean", "from", "to"], &rows);
-}
-
-/// Returns a mean and the ends of its confidence interval; `-` for each that does not exist.
-pub(super) fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
-    ends(estimate).map(|value| measured(value, places))
-}
-
-/// A mean and the ends of its confidence interval.
-fn ends(estimate: Option<Estimate>) -> [Option<f64>; 3] {
-    let interval = estimate.and_then(|e| e.interval());
-    let (low, high) = interval.unzip();
-    [estimate.map(|e| e.mean), low, high]
-}
-
-/// Formats a number with three decimal places, or with three significant digits if these would not
-/// show it.
-fn small(value: f64) -> String {
-    let magnitude = value.abs().log10().floor();
-    if value == 0.0 || magnitude >= -2.0 {
-        return format!("{value:.3}");
-    }
-    let places = (2.0 - magnitude).min(15.0) as usize;
-    format!("{value:.places$}")
-}
-
-/// Formats a number, or `-` if nothing was measured.
-fn measured(value: Option<f64>, places: usize) -> String {
-    value.map_or("-".to_owned(), |value| format!("{value:.places$}"))
-}
-
-/// Formats a share as a percentage, or `-` if nothing was measured.
-fn percent(share: Option<f64>) -> String {
-    share.map_or("-".to_owned(), |share| format!("{:.1} %", share * 100.0))
 }
 
 /// The unit of a column of energies: that of the greatest.
@@ -804,67 +591,4 @@ fn sign(comparison: Comparison) -> &'static str {
         Comparison::Ge => ">=",
         Comparison::Gt => ">",
     }
-}
-
-/// Terminal width in columns.
-const TERMINAL: usize = 100;
-/// Headings of text columns, which are left-aligned like the first column. All other columns
-/// contain numbers and are right-aligned.
-const TEXT_COLUMNS: [&str; 5] = ["machine", "verdict", "required", "waits", "for"];
-
-/// Writes a blank line and a table; nothing if there are no rows. Long texts are cut only if the
-/// rows would otherwise be wider than the terminal.
-pub(super) fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
-    if rows.is_empty() {
-        return;
-    }
-    let widths = |widest: usize| -> Vec<usize> {
-        (0..heads.len())
-            .map(|column| {
-                rows.iter()
-                    .filter_map(|row| row.get(column))
-                    .map(|cell| cell.chars().count().min(widest))
-                    .chain([heads[column].chars().count()])
-                    .max()
-                    .unwrap_or(0)
-            })
-            .collect()
-    };
-    let widest = (8..=60)
-        .rev()
-        .find(|&widest| widths(widest).iter().map(|w| w + 1).sum::<usize>() < TERMINAL)
-        .unwrap_or(8);
-    let widths = widths(widest);
-    let mut write = |cells: &[&str]| {
-        let mut text = String::from(" ");
-        for (column, cell) in cells.iter().enumerate() {
-            let cell = cut(cell, widest);
-            let pad = " ".repeat(widths[column].saturating_sub(cell.chars().count()));
-            text.push(' ');
-            if column > 0 && !TEXT_COLUMNS.contains(&heads[column]) {
-                text.push_str(&pad);
-                text.push_str(&cell);
-            } else {
-                text.push_str(&cell);
-                text.push_str(&pad);
-            }
-        }
-        let _ = writeln!(out, "{}", text.trim_end());
-    };
-    write(&[]);
-    write(heads);
-    for row in rows {
-        write(&row.iter().map(String::as_str).collect::<Vec<_>>());
-    }
-}
-
-/// Cuts a text that is longer than `widest` characters to that length, including an ellipsis at the
-/// end.
-fn cut(text: &str, widest: usize) -> Cow<'_, str> {
-    if text.chars().count() <= widest {
-        return text.into();
-    }
-    let mut short: String = text.chars().take(widest - 1).collect();
-    short.push('…');
-    short.into()
 }

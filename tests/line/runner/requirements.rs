@@ -162,7 +162,7 @@ fn requirements_speak_of_all_measures() {
         .map(|r| r.value.unwrap())
         .collect();
     let (queue, source) = (&trace.buffers[0], &trace.sources[0]);
-    let share = |of: fn(&linewright::line::trace::Shares) -> f64| {
+    let share = |of: fn(&linewright::line::trace::ByState) -> f64| {
         let cells = trace.stations.iter().take(2);
         cells.map(|s| of(&s.shares)).sum::<f64>() / 2.0
     };
@@ -279,7 +279,7 @@ fn requirements_speak_of_one_product_and_of_any_percentile() {
         "{joules:?}"
     );
     assert!((joules.starved - 10_000.0 * 0.5 * 9.0).abs() < 1e-3);
-    let all: f64 = joules.by_state().iter().map(|(_, joules)| joules).sum();
+    let all: f64 = joules.figures().iter().sum();
     assert!((all - trace.stations[0].joules).abs() < 1e-6);
     // A bin has three of the periods of 20 s.
     let over_time = trace.wip_over_time.expect("WIP over time");

@@ -6,7 +6,7 @@ use super::operation::{OF_SHARES, shares};
 use super::{first, legend};
 use crate::html::numbers::{figure, rounded};
 use crate::html::parts::{behind, section, table};
-use crate::table::shown_in;
+use crate::intervals::shown_in;
 use crate::{Intervals, Variant};
 use linewright_language::contract::metric::Measure;
 use linewright_line::comparison::{COMPARED, Comparison};
