@@ -29,9 +29,7 @@ use super::estimates::{self, Estimated};
 use super::metric::{Figures, JOULES_PER_KWH, measure, oee_factor, of_lead_time, of_station};
 use super::replicate::Estimate;
 use super::requirement::{self, ReplicatedRequirement, Sample};
-use super::trace::{
-    ByState, End, LeadTime, Oee, Percentiles, Trace, WaitKind, Yields, duration,
-};
+use super::trace::{ByState, End, LeadTime, Oee, Percentiles, Trace, WaitKind, Yields, duration};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::calendar::WorkCalendar;
 use linewright_language::contract::line::Line;

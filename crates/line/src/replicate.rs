@@ -433,9 +433,14 @@ mod tests {
         let share = estimate.of_measure(Measure::Busy);
         assert_eq!(share.interval(), Some((low, 1.0)));
         assert_eq!(share.half_width, Some(half));
-        assert_eq!(estimate.of_measure(Measure::Wip).interval(), Some((low, high)));
+        assert_eq!(
+            estimate.of_measure(Measure::Wip).interval(),
+            Some((low, high))
+        );
         assert_eq!(share.scaled(100.0).interval(), Some((low * 100.0, 100.0)));
-        let scrap = Estimate::of(&[0.0, 0.0, 0.1]).unwrap().of_measure(Measure::Scrap);
+        let scrap = Estimate::of(&[0.0, 0.0, 0.1])
+            .unwrap()
+            .of_measure(Measure::Scrap);
         assert_eq!(scrap.interval().map(|(low, _)| low), Some(0.0));
         assert_eq!(Estimate::of(&[4.0]).unwrap().interval(), None);
     }

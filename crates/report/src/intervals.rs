@@ -12,7 +12,11 @@ use linewright_line::{Batches, Estimate, ReplicatedRequirement, Replications};
 
 /// Writes the requirements over all replications or batches: the verdict, the mean with its
 /// confidence interval, and the value in the worst of them.
-pub(super) fn requirements_of_all(out: &mut String, line: &Line, requirements: &[ReplicatedRequirement]) {
+pub(super) fn requirements_of_all(
+    out: &mut String,
+    line: &Line,
+    requirements: &[ReplicatedRequirement],
+) {
     let rows = requirements.iter().enumerate().map(|(index, result)| {
         let [mean, low, high] = ends(result.value).map(|end| end.map_or("-".to_owned(), small));
         vec![

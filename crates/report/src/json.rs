@@ -9,8 +9,7 @@ use linewright_language::contract::metric::{Measure, MeasureUnit};
 use linewright_line::estimates::{Estimated, Subject};
 use linewright_line::metric::JOULES_PER_KWH;
 use linewright_line::trace::{
-    ByState, LeadTime, Oee, OverTime, SourceStatistics, StationStatistics, WaitKind,
-    WorkTime,
+    ByState, LeadTime, Oee, OverTime, SourceStatistics, StationStatistics, WaitKind, WorkTime,
 };
 use linewright_line::{
     Batches, Bottleneck, Estimate, ReplicatedRequirement, Replications, Trace, Verdict,
@@ -503,9 +502,7 @@ pub(super) fn round(value: f64, places: i32) -> f64 {
 /// Rounds shares to six decimal places so that they sum to 1: the largest share absorbs the
 /// rounding error.
 fn rounded(shares: &ByState) -> ByState {
-    let mut millionths = shares
-        .figures()
-        .map(|share| (share * 1e6).round() as i64);
+    let mut millionths = shares.figures().map(|share| (share * 1e6).round() as i64);
     let rest = 1_000_000 - millionths.iter().sum::<i64>();
     if let Some(greatest) = millionths.iter_mut().max() {
         *greatest += rest;

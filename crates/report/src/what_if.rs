@@ -1,8 +1,8 @@
 //! A line and a variant of it, as text and as a part of the JSON document of a run.
 
-use super::json::{estimate, round};
 use super::columns::columns;
 use super::intervals::{interval, shown_in};
+use super::json::{estimate, round};
 use linewright_language::contract::metric::Measure;
 use linewright_line::Estimate;
 use linewright_line::comparison::Comparison;

@@ -332,8 +332,15 @@ fn a_deadlock_is_found_whatever_goes_on() {
         assert_eq!(trace.end, End::Time);
         assert!(products.contains(&trace.products), "{}", trace.products);
         let found = deadlock(&trace);
-        assert_eq!(found.map(|(places, _)| places), Some(vec!["x", "y"]), "{body}");
-        let errors = trace.findings.iter().filter(|f| f.severity == Severity::Error);
+        assert_eq!(
+            found.map(|(places, _)| places),
+            Some(vec!["x", "y"]),
+            "{body}"
+        );
+        let errors = trace
+            .findings
+            .iter()
+            .filter(|f| f.severity == Severity::Error);
         assert_eq!(errors.map(|f| f.code.id).collect::<Vec<_>>(), ["LW403"]);
     }
 }

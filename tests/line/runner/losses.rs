@@ -192,7 +192,10 @@ fn parts_that_expire_count_in_the_waits() {
         let queue = &trace.buffers[0];
         assert!(queue.expired > 250 && queue.passed > 90, "{queue:?}");
         let parts = (queue.passed + queue.expired) as f64;
-        assert!((queue.length * 1000.0 / (parts * queue.wait) - 1.0).abs() < 1e-9, "{queue:?}");
+        assert!(
+            (queue.length * 1000.0 / (parts * queue.wait) - 1.0).abs() < 1e-9,
+            "{queue:?}"
+        );
         let values: Vec<f64> = trace.requirements.iter().filter_map(|r| r.value).collect();
         assert_eq!(values, [queue.wait, median, 12.0], "{order}");
         // Where all parts expire, their wait is known, too.

@@ -335,7 +335,10 @@ fn intervals_lie_in_the_range_of_the_measure() {
         };
         let half = value.half_width.expect("an interval");
         let greatest = of.subject.measure().info().unit.greatest();
-        assert!(low >= 0.0 && high <= greatest.unwrap_or(f64::INFINITY), "{of:?}");
+        assert!(
+            low >= 0.0 && high <= greatest.unwrap_or(f64::INFINITY),
+            "{of:?}"
+        );
         assert!((low..=high).contains(&value.mean), "{of:?}");
         cut += usize::from(low > value.mean - half || high < value.mean + half);
     }
@@ -344,7 +347,10 @@ fn intervals_lie_in_the_range_of_the_measure() {
         let value = requirement.value.expect("a value");
         let (low, _) = value.interval().expect("an interval");
         assert!(low >= 0.0);
-        assert!(value.mean - value.half_width.expect("an interval") < 0.0, "{requirement:?}");
+        assert!(
+            value.mean - value.half_width.expect("an interval") < 0.0,
+            "{requirement:?}"
+        );
         assert_eq!(requirement.verdict.word(), "undecided");
     }
 }

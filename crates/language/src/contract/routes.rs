@@ -330,9 +330,10 @@ fn values_to_try(part: &PartType, conditions: &[&RealExpr]) -> Option<Vec<(usize
     let mut all = Vec::new();
     for property in used {
         let values: Vec<f64> = match &part.properties.get(property)?.domain {
-            Some(domain) if domain.size() <= MAX_COMBINATIONS as u64 => {
-                (domain.low()..=domain.high()).map(|value| value as f64).collect()
-            }
+            Some(domain) if domain.size() <= MAX_COMBINATIONS as u64 => (domain.low()
+                ..=domain.high())
+                .map(|value| value as f64)
+                .collect(),
             Some(_) => return None,
             None => {
                 let mut compared = Vec::new();
@@ -342,7 +343,9 @@ fn values_to_try(part: &PartType, conditions: &[&RealExpr]) -> Option<Vec<(usize
                 }
                 compared.sort_by(f64::total_cmp);
                 let (first, last) = (*compared.first()?, *compared.last()?);
-                let between = compared.windows(2).map(|pair| f64::midpoint(pair[0], pair[1]));
+                let between = compared
+                    .windows(2)
+                    .map(|pair| f64::midpoint(pair[0], pair[1]));
                 let between: Vec<f64> = between.collect();
                 let beyond = [first - first.abs() - 1.0, last + last.abs() + 1.0];
                 compared.into_iter().chain(between).chain(beyond).collect()

@@ -325,7 +325,10 @@ impl Buffer {
 
     /// Time that the parts in the buffer have waited so far, in all, in seconds.
     fn waiting_seconds(&self, now: f64) -> f64 {
-        let resting = self.resting.values().map(|(_, waiting)| now - waiting.since);
+        let resting = self
+            .resting
+            .values()
+            .map(|(_, waiting)| now - waiting.since);
         let ready: f64 = match &self.ready {
             Ready::Queue(queue) => queue.iter().map(|waiting| now - waiting.since).sum(),
             Ready::Ranked(ranked) => ranked.values().map(|waiting| now - waiting.since).sum(),

@@ -63,13 +63,7 @@ impl Run<'_> {
             for index in 0..outlets.max(self.line.routes.len()) {
                 let at = |count: usize| (index < count).then_some(index);
                 let turn = |count: usize| {
-                    at(count).map(|index| {
-                        if is_forward {
-                            index
-                        } else {
-                            count - 1 - index
-                        }
-                    })
+                    at(count).map(|index| if is_forward { index } else { count - 1 - index })
                 };
                 if let Some(outlet) = turn(outlets) {
                     changed |= self.note_leaving(outlet, &mut prospects);
@@ -100,7 +94,10 @@ impl Run<'_> {
             Some(Place::Buffer(buffer)) => buffer.has_shelf_life(),
             _ => false,
         };
-        let to = waiting.to.as_ref().map_or(&[][..], |way| self.setup.ways.to(way));
+        let to = waiting
+            .to
+            .as_ref()
+            .map_or(&[][..], |way| self.setup.ways.to(way));
         let mut places = to.iter().map(|to| *to as usize);
         let leaves = expires || places.any(|to| self.may_admit(to, kind, prospects));
         prospects.leaves[outlet] = leaves;
@@ -141,9 +138,7 @@ impl Run<'_> {
         match &self.nodes[node].place {
             Place::Source(_) => false,
             Place::Sink | Place::Store(_) => true,
-            Place::Conveyor(conveyor) => {
-                !conveyor.is_full() || self.gets_free(node, prospects)
-            }
+            Place::Conveyor(conveyor) => !conveyor.is_full() || self.gets_free(node, prospects),
             Place::Belt(belt) => {
                 belt.is_awake() || !belt.is_full() || self.gets_free(node, prospects)
             }
@@ -174,9 +169,8 @@ impl Run<'_> {
             Place::Sink => false,
             Place::Store(_) => {
                 let mut outlets = self.outlets_of(node);
-                let of = |outlet: &usize| {
-                    self.setup.store_outlets[*outlet - self.nodes.len()].1 == kind
-                };
+                let of =
+                    |outlet: &usize| self.setup.store_outlets[*outlet - self.nodes.len()].1 == kind;
                 let outlet = outlets.find(of);
                 outlet.is_some_and(|outlet| match self.outlet(outlet).part {
                     Some(_) => prospects.leaves[outlet],
@@ -216,7 +210,10 @@ impl Run<'_> {
     fn may_finish_some(&self, prospects: &Prospects) -> bool {
         let nodes = self.line.nodes.iter().enumerate();
         let mut ends = nodes.filter(|(_, node)| {
-            matches!(node.kind, NodeKind::Sink { reject: false, .. } | NodeKind::Store { .. })
+            matches!(
+                node.kind,
+                NodeKind::Sink { reject: false, .. } | NodeKind::Store { .. }
+            )
         });
         ends.any(|(node, _)| {
             let mut products = self.line.products.iter();
@@ -245,11 +242,13 @@ impl Run<'_> {
             crate::trace::clock(deadlock.since),
             chain.texts.join(", ")
         );
-        self.journal.findings.push(self.with_places(
-            Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message)
-                .with_help(self.advice(&chain)),
-            &chain.nodes,
-        ));
+        self.journal.findings.push(
+            self.with_places(
+                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message)
+                    .with_help(self.advice(&chain)),
+                &chain.nodes,
+            ),
+        );
         self.deadlock = Some(deadlock);
     }
 
@@ -271,11 +270,13 @@ impl Run<'_> {
             crate::trace::clock(deadlock.since),
             chain.texts.join(", ")
         );
-        self.journal.findings.push(self.with_places(
-            Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message)
-                .with_help(self.advice(&chain)),
-            &chain.nodes,
-        ));
+        self.journal.findings.push(
+            self.with_places(
+                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message)
+                    .with_help(self.advice(&chain)),
+                &chain.nodes,
+            ),
+        );
         self.deadlock = Some(deadlock);
         self.end = Some(End::Blocked);
     }
@@ -287,7 +288,10 @@ impl Run<'_> {
         let stuck = outlets.filter(|outlet| self.is_stuck_at(*outlet, prospects));
         let parts = stuck.filter_map(|outlet| self.outlet(outlet).part);
         Deadlock {
-            places: places.iter().map(|node| self.name(*node).to_owned()).collect(),
+            places: places
+                .iter()
+                .map(|node| self.name(*node).to_owned())
+                .collect(),
             since: parts
                 .map(|part| self.parts[part].waits_since)
                 .fold(0.0, f64::max),

@@ -3,6 +3,7 @@
 use crate::contract::value::Type;
 use linewright_core::diagnostics::{Code, Diagnostic, codes, has_errors};
 use linewright_core::source::Span;
+use linewright_syntax::ast;
 
 /// Findings of one elaborator.
 #[derive(Default)]
@@ -40,6 +41,18 @@ impl Findings {
         help: impl Into<String>,
     ) {
         self.push(Diagnostic::error(code, span, message).with_help(help));
+    }
+
+    /// Records an error about a name, which is the subject of the message: `` `name` is no place``.
+    pub fn error_about(
+        &mut self,
+        code: Code,
+        name: &ast::Name,
+        says: &str,
+        help: impl Into<String>,
+    ) {
+        let message = format!("`{}` {says}", name.text);
+        self.error_with(code, name.span, message, help);
     }
 
     /// Reports a value whose type differs from the expected one.

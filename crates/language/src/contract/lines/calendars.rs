@@ -345,10 +345,10 @@ impl<'a> Builder<'a, '_> {
     }
 
     fn refuse_date(&mut self, date: &ast::Name, why: &str) {
-        self.e.findings.error_with(
+        self.e.findings.error_about(
             codes::ARGUMENT,
-            date.span,
-            format!("`{}` is not a date", date.text),
+            date,
+            "is not a date",
             format!("{why}; a date is written year-month-day, such as `2026-12-24`"),
         );
     }

@@ -86,10 +86,10 @@ impl<'a> Builder<'a, '_> {
                     Some(r) => {
                         let node = self.find_node(r)?;
                         if self.kinds.get(&node) != Some(&PlaceKind::Source) {
-                            self.e.findings.error_with(
+                            self.e.findings.error_about(
                                 codes::LINE_UNKNOWN,
-                                r.span,
-                                format!("`{}` is not a source", r.text),
+                                r,
+                                "is not a source",
                                 "name a `source` after `reorder`",
                             );
                             return None;

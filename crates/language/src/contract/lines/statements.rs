@@ -266,10 +266,10 @@ impl<'a> Builder<'a, '_> {
             .collect();
         // Without a product, the line has another error.
         if !known.is_empty() {
-            self.e.findings.error_with(
+            self.e.findings.error_about(
                 codes::LINE_UNKNOWN,
-                of.span,
-                format!("`{}` is not an end product", of.text),
+                of,
+                "is not an end product",
                 format!(
                     "`{}` is measured for the whole line or for an end product: {}",
                     info.name,

@@ -128,10 +128,8 @@ impl<'a> Builder<'a, '_> {
                 station.machine = Some(machine);
             }
             None if !items.iter().any(|i| matches!(i, StationItem::Takes { .. })) => {
-                self.e.findings.error_with(
-                    codes::OPERATION,
-                    name.span,
-                    format!("`{}` has neither a machine nor a time", name.text),
+                self.e.findings.error_about(
+codes::OPERATION, name, "has neither a machine nor a time",
                     format!(
                         "write how long its work takes, `station {0} {{ takes 2 s }}`, or name its machine, `station {0}: Machine {{ ... }}`",
                         name.text
@@ -472,10 +470,10 @@ impl<'a> Builder<'a, '_> {
             return None;
         };
         if one_of && ty.length.is_none() {
-            self.e.findings.error_with(
+            self.e.findings.error_about(
                 codes::TYPE_MISMATCH,
-                property.span,
-                format!("`{}` is not an array", property.text),
+                property,
+                "is not an array",
                 "remove `one of`, which selects an element of an array",
             );
         }

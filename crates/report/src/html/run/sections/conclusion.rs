@@ -167,10 +167,9 @@ pub(super) fn limit(bottleneck: &Bottleneck) -> Option<String> {
         Bottleneck::Source { names, .. } => {
             Some(format!("the supply from {}", names.join(" and ")))
         }
-        Bottleneck::Deadlock(deadlock) => Some(format!(
-            "the deadlock of {}",
-            deadlock.places.join(", ")
-        )),
+        Bottleneck::Deadlock(deadlock) => {
+            Some(format!("the deadlock of {}", deadlock.places.join(", ")))
+        }
         Bottleneck::Undecided(stations) => {
             let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
             Some(format!(
