@@ -33,7 +33,7 @@ use progress::RunProgress;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trace_files::{TraceFile, TraceFiles};
-use what_if::{Changes, DEFAULT_PAIRS};
+use what_if::{Changes, DEFAULT_PAIRS, Refused};
 
 /// The end of the help.
 const EXAMPLES: &str = "Examples:
@@ -58,11 +58,11 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
     pub parts: Option<u64>,
     /// Stop at this simulation time
-    #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_hyphen_values = true)]
     pub until: Option<f64>,
     /// Count nothing until this simulation time, because the line is still filling, or until a
     /// number of products is finished, `'500 parts'`; `auto` finds the time
-    #[arg(long, value_name = "TIME", value_parser = warm_up, allow_negative_numbers = true)]
+    #[arg(long, value_name = "TIME", value_parser = warm_up, allow_hyphen_values = true)]
     pub warm_up: Option<WarmUp>,
     /// Set a number of the line for this run, such as `capper.takes='2 s'`; repeatable
     #[arg(
@@ -108,7 +108,7 @@ confidence interval. NAME=VALUE is a number as in --set, or a station and how ma
         conflicts_with_all = ["replications", "precision", "what_if"],
         long_help = "Cut the run after the warm-up into N batches, usually 10 to 30, and give the means of the batches with confidence intervals, by \
 which requirements are judged. One long run needs one warm-up only. Batches are as long as each other if --until ends the run, and have as many products \
-each if --parts does. A finding says if they are too short"
+each if --parts does. A finding says if they may be too short"
     )]
     pub batches: Option<u32>,
     /// Write a report as one HTML file: the line as a picture in which the run is played, charts,
@@ -235,7 +235,17 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut code = options.exit_code(&base.findings);
     let variants = Changes::variants(&arguments.what_if, &arguments.set, &base.line);
     let mut compared: Vec<Compared> = Vec::new();
-    let mut variants = variants.map_err(anyhow::Error::msg)?;
+    let mut variants = match variants {
+        Ok(variants) => variants,
+        Err(Refused::Usage(message)) => return Err(anyhow::Error::msg(message)),
+        Err(Refused::Repeated(settings)) => {
+            let (first, second) = *settings;
+            let mut sources = base.loaded.library.sources;
+            let finding = [second.repeats(&first, &mut sources)];
+            console.failed("run", &sources, &finding)?;
+            return Ok(options.exit_code(&finding));
+        }
+    };
     if arguments.report.is_some() && !variants.is_empty() {
         let numbers = arguments.selection.settable(&base.line.name, options);
         let set = settings_by_name(&arguments.set);

@@ -26,7 +26,9 @@
 //! mean and `w'` the mean weight. Only percentiles are means of the batches, not those of the run.
 
 use super::estimates::{self, Estimated};
-use super::metric::{Figures, JOULES_PER_KWH, measure, oee_factor, of_lead_time, of_station};
+use super::metric::{
+    Figures, JOULES_PER_KWH, measure, oee_factor, of_lead_time, of_station, yield_share,
+};
 use super::replicate::Estimate;
 use super::requirement::{self, ReplicatedRequirement, Sample};
 use super::trace::{ByState, End, LeadTime, Oee, Percentiles, Trace, WaitKind, Yields, duration};
@@ -65,6 +67,8 @@ pub struct Batch {
     pub products: u64,
     pub(super) rejected: u64,
     pub(super) yields: Yields,
+    /// By part type.
+    pub(super) yields_by_type: Vec<Yields>,
     pub(super) lead_time: LeadTime,
     pub(super) percentiles: Percentiles,
     /// One entry for each type of end products, if there are several.
@@ -162,6 +166,9 @@ impl Figures for Batch {
     }
 
     fn of_product(&self, metric: &Metric, product: usize) -> Option<f64> {
+        if let Some(share) = yield_share(metric.measure) {
+            return self.yields_by_type.get(product).and_then(share);
+        }
         if self.by_type.is_empty() {
             return self.of_line(metric);
         }
@@ -258,7 +265,9 @@ impl Batch {
             Measure::ThroughputOnShift => self.on_shift_seconds.unwrap_or(self.seconds),
             Measure::Energy | Measure::Rejected | Measure::Products | Measure::Expired => 1.0,
             Measure::FirstPassYield | Measure::Scrap => {
-                (self.yields.finished + self.yields.scrapped) as f64
+                let of_product = metric.product.and_then(|of| self.yields_by_type.get(of));
+                let yields = of_product.unwrap_or(&self.yields);
+                (yields.finished + yields.scrapped) as f64
             }
             Measure::Wait
             | Measure::WaitPercentile
@@ -478,7 +487,7 @@ fn correlated(
     let subjects = subjects.map(|(subject, lag_1)| format!("{subject} ({lag_1:.2})"));
     let subjects: Vec<String> = subjects.collect();
     let message = format!(
-        "the batches of {} are too short, so that intervals are too narrow: neighboring batches are correlated in {}, where {critical:.2} is significant",
+        "the batches of {} may be too short, and the intervals too narrow: neighboring batches are correlated in {}, where {critical:.2} is significant",
         line.name,
         subjects.join(", "),
     );

@@ -2,7 +2,7 @@
 
 use super::trace::{
     BufferStatistics, ByState, ConveyorStatistics, LeadTime, Oee, Percentiles, StationStatistics,
-    Trace,
+    Trace, Yields,
 };
 use linewright_language::contract::line::Line;
 use linewright_language::contract::metric::{Measure, Metric};
@@ -93,6 +93,9 @@ impl Figures for Trace {
     }
 
     fn of_product(&self, metric: &Metric, product: usize) -> Option<f64> {
+        if let Some(share) = yield_share(metric.measure) {
+            return self.yields_by_type.get(product).and_then(share);
+        }
         // Without several products, that of the line is the only one.
         if self.by_type.is_empty() {
             return of_line(metric, self);
@@ -148,6 +151,15 @@ fn of_line(metric: &Metric, trace: &Trace) -> Option<f64> {
         Measure::Throughput => Some(trace.throughput_per_hour),
         _ if trace.products == 0 => None,
         _ => of_lead_time(metric, trace.lead_time, &trace.lead_time_percentiles),
+    }
+}
+
+/// The share of single parts that a measure is; `None` for another measure.
+pub(super) fn yield_share(measure: Measure) -> Option<fn(&Yields) -> Option<f64>> {
+    match measure {
+        Measure::FirstPassYield => Some(Yields::first_pass_yield),
+        Measure::Scrap => Some(Yields::scrap_ratio),
+        _ => None,
     }
 }
 

@@ -2,13 +2,13 @@
 
 use super::estimates::{self, Estimated};
 use super::log::Observer;
-use super::metric;
+use super::metric::{self, Figures as _};
 use super::plant::Plant;
 use super::requirement::{self, ReplicatedRequirement, Sample};
 use super::statistics::student_t;
 use super::trace::{End, Trace};
 use linewright_core::deadline::StopReason;
-use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_language::contract::line::Line;
 use linewright_language::contract::metric::Measure;
 
@@ -33,6 +33,8 @@ pub struct Replications {
     pub measures: Vec<Estimated>,
     /// The line's requirements over all runs, in line order.
     pub requirements: Vec<ReplicatedRequirement>,
+    /// The shortest and the longest warm-up, in seconds.
+    pub warm_up: (f64, f64),
     /// Problems in any of the runs, without duplicates. Each requirement that fails or is undecided
     /// adds one finding.
     pub findings: Vec<Diagnostic>,
@@ -379,11 +381,12 @@ impl Replications {
             value.map(|value| value.of_measure(measure))
         };
         let requirements = requirement::over(line, Sample::Runs(traces));
-        let mut findings: Vec<Diagnostic> = Vec::new();
-        for finding in traces.iter().flat_map(|trace| &trace.findings) {
-            let of_one_run = traces.len() > 1 && finding.code == codes::LINE_REQUIREMENT;
-            if !of_one_run && !findings.contains(finding) {
-                findings.push(finding.clone());
+        let mut findings = in_any(traces);
+        if !traces.iter().any(Trace::has_counted) {
+            // A result without any figures is none.
+            let about_end = |finding: &&mut Diagnostic| finding.code == codes::LINE_LIMIT;
+            for finding in findings.iter_mut().filter(about_end) {
+                finding.severity = Severity::Error;
             }
         }
         if traces.len() > 1 {
@@ -403,8 +406,64 @@ impl Replications {
             energy_kwh: estimate(Measure::Energy),
             measures: estimates::of_runs(line, traces),
             requirements,
+            warm_up: traces
+                .iter()
+                .fold((f64::INFINITY, 0.0), |(least, most), trace| {
+                    (trace.warm_up.min(least), trace.warm_up.max(most))
+                }),
             findings,
         }
+    }
+}
+
+/// The findings in any of the runs, without duplicates. What ended runs early differs in its time
+/// only: such findings of several runs are one, with the seeds.
+fn in_any(traces: &[Trace]) -> Vec<Diagnostic> {
+    let mut findings: Vec<(Diagnostic, Vec<u64>)> = Vec::new();
+    for trace in traces {
+        for finding in &trace.findings {
+            if traces.len() > 1 && finding.code == codes::LINE_REQUIREMENT {
+                continue;
+            }
+            let is_early = [codes::LINE_LIMIT, codes::LINE_BLOCKED].contains(&finding.code);
+            let is_same = |(known, _): &&mut (Diagnostic, Vec<u64>)| {
+                let is_alike = (known.code, known.span, known.severity)
+                    == (finding.code, finding.span, finding.severity);
+                known == finding || is_early && is_alike
+            };
+            let seed = is_early.then_some(trace.seed);
+            match findings.iter_mut().find(is_same) {
+                Some((_, seeds)) => {
+                    seeds.extend(seed.filter(|seed| seeds.last() != Some(seed)));
+                }
+                None => findings.push((finding.clone(), seed.into_iter().collect())),
+            }
+        }
+    }
+    let findings = findings
+        .into_iter()
+        .map(|(finding, seeds)| match seeds[..] {
+            [first, ..] if traces.len() > 1 => finding.with_note(format!(
+                "this is the run with seed {first}; {} of {} runs ended like this{}",
+                seeds.len(),
+                traces.len(),
+                also(&seeds[1..]),
+            )),
+            _ => finding,
+        });
+    findings.collect()
+}
+
+/// Lists further seeds, up to a maximum number: `, also with seeds 2, 5 and 7 more`.
+fn also(seeds: &[u64]) -> String {
+    const SHOWN: usize = 10;
+    let shown: Vec<String> = seeds.iter().take(SHOWN).map(u64::to_string).collect();
+    let shown = shown.join(", ");
+    match (seeds.len(), seeds.len().saturating_sub(SHOWN)) {
+        (0, _) => String::new(),
+        (1, _) => format!(", also with seed {shown}"),
+        (_, 0) => format!(", also with seeds {shown}"),
+        (_, more) => format!(", also with seeds {shown} and {more} more"),
     }
 }
 

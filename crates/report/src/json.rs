@@ -387,6 +387,10 @@ fn replicated(line: &Line, replications: &Replications) -> Value {
     json!({
         "count": replications.seeds.len(),
         "seeds": replications.seeds,
+        "warm_up_seconds": {
+            "least": round(replications.warm_up.0, 6),
+            "greatest": round(replications.warm_up.1, 6),
+        },
         "confidence": 0.95,
         "throughput_per_hour": estimate(replications.throughput_per_hour, 6),
         "makespan_seconds": estimate(replications.makespan, 6),

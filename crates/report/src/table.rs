@@ -20,7 +20,7 @@ pub fn table(line: &Line, trace: &Trace, intervals: Option<Intervals<'_>>) -> St
     {
         let _ = writeln!(out, "  {:<12} seed {first}; all seeds are below", "run");
     }
-    summary(&mut out, line, trace);
+    summary(&mut out, line, trace, intervals);
     products(&mut out, line, trace);
     stations(&mut out, trace);
     equipment(&mut out, trace);
@@ -50,7 +50,7 @@ pub fn settings(set: &BTreeMap<&str, &str>) -> String {
     out
 }
 
-fn summary(out: &mut String, line: &Line, trace: &Trace) {
+fn summary(out: &mut String, line: &Line, trace: &Trace, intervals: Option<Intervals<'_>>) {
     let ending = match trace.end {
         End::Products => "",
         End::Time => " (the end time was reached)",
@@ -81,7 +81,18 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     } else {
         String::new()
     };
-    let warm_up = if trace.warm_up > 0.0 {
+    let (least, most) = match intervals {
+        Some(Intervals::Replications(replications)) => replications.warm_up,
+        _ => (trace.warm_up, trace.warm_up),
+    };
+    let warm_up = if most > least {
+        format!(
+            "; warm-up {}{how}, in all runs {} to {}, not counted",
+            duration(trace.warm_up),
+            duration(least),
+            duration(most)
+        )
+    } else if trace.warm_up > 0.0 {
         format!("; warm-up {}{how}, not counted", duration(trace.warm_up))
     } else if trace.warm_up_found {
         format!("; no warm-up{how}")

@@ -9,6 +9,21 @@ use std::collections::BTreeMap;
 /// Number of pairs of runs if `--replications` does not say it.
 pub const DEFAULT_PAIRS: u64 = 10;
 
+/// Why options are refused.
+#[derive(Debug)]
+pub enum Refused {
+    /// They make no sense, for this reason.
+    Usage(String),
+    /// Both change the speed of a station.
+    Repeated(Box<(Setting, Setting)>),
+}
+
+impl From<String> for Refused {
+    fn from(message: String) -> Self {
+        Self::Usage(message)
+    }
+}
+
 /// What differs in a variant of a line.
 #[derive(Debug, Default)]
 pub struct Changes {
@@ -25,22 +40,22 @@ impl Changes {
     /// begin with the same name, as in `fast: press=10%`, make one, and so do those without a name.
     ///
     /// # Errors
-    /// Returns a message as [`Changes::new`] does, or if a name is empty.
+    /// Returns a reason as [`Changes::new`] does, or if a name is empty.
     pub fn variants(
         what_if: &[Setting],
         set: &[Setting],
         line: &Line,
-    ) -> Result<Vec<Self>, String> {
+    ) -> Result<Vec<Self>, Refused> {
         let mut named: Vec<(String, Vec<Setting>)> = Vec::new();
         for change in what_if {
             let (variant, change) = change.split_variant();
             let name = variant.unwrap_or_default();
             if variant.is_some_and(str::is_empty) || change.name().is_empty() {
-                return Err(format!(
+                return Err(Refused::Usage(format!(
                     "`{}={}`: write the name of a variant, `:` and a number, such as `fast: capper.takes='2 s'`",
                     change.name(),
                     change.value()
-                ));
+                )));
             }
             match named.iter_mut().find(|(known, _)| known == name) {
                 Some((_, changes)) => changes.push(change),
@@ -85,18 +100,19 @@ impl Changes {
     /// the same name.
     ///
     /// # Errors
-    /// Returns a message if a percentage is not greater than -100 %, or has no `%`, or if a station
+    /// Returns a reason if a percentage is not greater than -100 %, or has no `%`, or if a station
     /// has two.
-    fn new(what_if: &[Setting], set: &[Setting], line: &Line) -> Result<Self, String> {
+    fn new(what_if: &[Setting], set: &[Setting], line: &Line) -> Result<Self, Refused> {
         let mut changes = Self::default();
+        let mut changed: BTreeMap<usize, &Setting> = BTreeMap::new();
         let mut numbers = Vec::new();
         for change in what_if {
             let (name, value) = (change.name(), change.value());
             let stations = speed::stations_named(line, name);
             if !stations.is_empty() && value.parse::<f64>().is_ok() {
-                return Err(format!(
+                return Err(Refused::Usage(format!(
                     "`{name}={value}`: write `{name}={value}%` if the station is to be {value} % faster, or set one of its numbers, such as `{name}.takes='{value} s'`"
-                ));
+                )));
             }
             let Some(percent) = value.strip_suffix('%').filter(|_| !stations.is_empty()) else {
                 changes
@@ -115,9 +131,12 @@ impl Changes {
                     )
                 })?;
             for node in stations {
-                if changes.speeds.insert(node, speed).is_some() {
-                    return Err(format!("the speed of `{name}` is changed twice"));
+                if let Some(first) = changed.insert(node, change) {
+                    let both = [first, change].map(|of| of.clone().given_by("--what-if"));
+                    let [first, second] = both;
+                    return Err(Refused::Repeated(Box::new((first, second))));
                 }
+                changes.speeds.insert(node, speed);
             }
             changes.variant.speeds.insert(name.to_owned(), speed);
         }

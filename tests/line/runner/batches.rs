@@ -278,7 +278,9 @@ fn short_batches_are_reported() {
     let finding = finding.expect("a finding");
     assert_eq!(finding.severity, Severity::Warning);
     assert!(
-        finding.message.contains("the batches of L are too short")
+        finding
+            .message
+            .contains("the batches of L may be too short")
             && finding
                 .message
                 .contains("the mean lead time in seconds (0."),

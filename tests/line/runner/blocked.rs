@@ -295,7 +295,7 @@ fn a_deadlock_is_found_while_a_source_overflows() {
         "route P: a -> x",
         "buffer q capacity 3 sink lost rejects
          source a: P every 2 s
-         route P: a -> q when full -> lost
+         route P: a -> q, lost
          route P: q -> x",
     );
     let trace = run_text(&overflow, None, Some(7200.0));
@@ -353,29 +353,29 @@ fn no_deadlock_is_found_where_parts_only_wait_long() {
         // The whole of y's loop waits for a repair of y that takes long.
         "part P source a: P every 1 s sink lost rejects buffer q capacity 1
          station x { takes 1 s } station y { takes 1 s failures mtbf 10 s mttr 900 s } sink k
-         route P: a -> x when full -> lost route P: x -> q -> y -> k",
+         route P: a -> x, lost route P: x -> q -> y -> k",
         // Off shift at the end.
         "part P source a: P every 1 s sink lost rejects buffer q capacity 1
          station x { takes 1 s } station y { takes 1 s shift 0 h to 0.2 h } sink k
-         route P: a -> x when full -> lost route P: x -> q -> y -> k",
+         route P: a -> x, lost route P: x -> q -> y -> k",
         // Full of parts that rest.
         "part P source a: P every 1 s sink lost rejects
          station x { takes 1 s } buffer q capacity 4 dwell 980 s station y { takes 1 s } sink k
-         route P: a -> x when full -> lost route P: x -> q -> y -> k",
+         route P: a -> x, lost route P: x -> q -> y -> k",
         // A carton waits for the bottles that come late.
         "part B part C part F from 2 B, C source b: B every 600 s source c: C every 1 s
          sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
-         route B: b -> s route C: c -> q when full -> lost route C: q -> s route F: s -> k",
+         route B: b -> s route C: c -> q, lost route C: q -> s route F: s -> k",
         // A loop whose buffer scraps parts that are too old.
         "part P { property again: bool = true } source a: P every 1 s sink lost rejects
          buffer q capacity 1 shelf life 600 s station x { takes 1 s } sink k
-         route P: a -> x when full -> lost
+         route P: a -> x, lost
          route P: x -> q when again route P: x -> k otherwise route P: q -> x",
         // The stock of a component is used up: the rest waits for ever, and nothing in a circle.
         "part B part C part F from B, C source b: B every 1 s, at most 1000 in the line
          source c: C every 1 s limit 3
          sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
-         route B: b -> q when full -> lost route B: q -> s route C: c -> s route F: s -> k",
+         route B: b -> q, lost route B: q -> s route C: c -> s route F: s -> k",
     ];
     for body in bodies {
         for until in [950.0, 999.5] {

@@ -226,3 +226,41 @@ fn yields_are_those_of_the_probabilities() {
     let scrap = trace.yields.scrap_ratio().unwrap();
     assert!((scrap - 0.1 / 0.73).abs() < 0.0035, "{scrap}");
 }
+
+/// Yields of one product count the parts that left the line as this product, in runs and batches.
+#[test]
+fn yields_of_one_product() {
+    let text = "line L {
+        part A { property bad: bool = false } part B product A, B
+        source a: A every 10 s source b: B every 20 s
+        station cell { takes 2 s defect on A probability 20 %: bad becomes true }
+        sink out sink bin rejects
+        route A: a -> cell route B: b -> cell -> out
+        route A: cell -> bin when bad route A: cell -> out otherwise
+        requirement good: first_pass_yield(A) >= 70 %
+        requirement other: first_pass_yield(B) = 100 %
+        requirement scrap: scrap(A) <= 30 %
+        requirement all: scrap >= 5 %
+    }";
+    let options = Options {
+        until: Some(40_000.0),
+        batches: Some(10),
+        ..Options::default()
+    };
+    let trace = plant_of(text, options).run();
+    let values: Vec<f64> = trace.requirements.iter().filter_map(|r| r.value).collect();
+    let [good, other, scrap, all] = values[..] else {
+        panic!("{values:?}");
+    };
+    assert!(
+        (good - 0.8).abs() < 0.03 && (good + scrap - 1.0).abs() < 1e-12,
+        "{values:?}"
+    );
+    assert_eq!(other, 1.0);
+    assert!((all - scrap * 2.0 / 3.0).abs() < 1e-3, "{values:?}");
+    let batches = Batches::of(plant_of(text, options).line(), &trace).expect("batches");
+    let means = batches.requirements.iter().filter_map(|r| r.value);
+    for (mean, value) in means.zip(values) {
+        assert!((mean.mean - value).abs() < 1e-9, "{mean:?} {value}");
+    }
+}

@@ -320,7 +320,7 @@ fn intervals_lie_in_the_range_of_the_measure() {
             buffer queue capacity 5 shelf life 1 min
             station cell { takes exponential(8 s) failures mtbf 3 min mttr 2 min }
             sink out sink lost rejects
-            route P: rack -> queue when full -> lost
+            route P: rack -> queue, lost
             route P: queue -> cell -> out
             requirement free: full(queue) <= 30 %
             requirement young: expired(queue) <= 2

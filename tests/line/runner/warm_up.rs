@@ -1,6 +1,7 @@
 //! Warm-up, work in process, and buffers.
 
 use crate::models::{RunLogged, plant_of};
+use linewright::diagnostics::Severity;
 use linewright::line::{End, Options, Trace};
 
 fn run(text: &str, options: Options) -> Trace {
@@ -183,6 +184,25 @@ fn a_run_with_too_few_products_for_its_warm_up_says_so() {
         let messages: Vec<&str> = trace.findings.iter().map(|f| f.message.as_str()).collect();
         let wanted = "before its warm-up of 3 products (2 made) was over";
         assert!(messages.iter().any(|m| m.contains(wanted)), "{messages:?}");
+    }
+}
+
+/// Without requirements, too, a command without any figures does not look like success.
+#[test]
+fn runs_without_any_figures_are_an_error() {
+    let text = LINE.replace("every 10 s", "every 10 s limit 2");
+    let options = Options {
+        parts: Some(2),
+        warm_up_products: 3,
+        ..Options::default()
+    };
+    for count in [1, 3] {
+        let (_, figures) = plant_of(&text, options).replicate(count);
+        let short = figures.findings.iter().filter(|f| f.code.id == "LW404");
+        let short: Vec<_> = short.collect();
+        assert_eq!(short.len(), 1, "{:?}", figures.findings);
+        assert_eq!(short[0].severity, Severity::Error);
+        assert_eq!(short[0].notes.is_empty(), count == 1);
     }
 }
 

@@ -87,7 +87,7 @@ fn a_warm_up_may_be_given_by_products() {
     ] {
         let text = run(arguments, "1");
         assert_eq!(text, run(arguments, "4"), "{arguments}");
-        let shown = text.contains(" (until 50 products), not counted");
+        let shown = text.contains(" (until 50 products), ") && text.contains(", not counted");
         assert_eq!(shown, !arguments.contains("json"), "{text}");
     }
     let document: Value =
@@ -96,7 +96,7 @@ fn a_warm_up_may_be_given_by_products() {
     assert_eq!(document["products"], 500);
     assert!(document["warm_up_seconds"].as_f64() > Some(40.0));
 
-    for wrong in ["0 parts", "1.5 parts", "many parts"] {
+    for wrong in ["0 parts", "1.5 parts", "many parts", "-5 parts"] {
         let mut command = session.command("run md1.lw --parts 500");
         let output = command.args(["--warm-up", wrong]).output();
         let output = output.expect("the program starts");
@@ -333,6 +333,28 @@ fn variants_in_words() {
         "{}",
         unknown.err
     );
+    for twice in [
+        "cell=10% --what-if cell=20%",
+        "cell.takes=1s --what-if cell.takes=2s",
+    ] {
+        let line = format!("run md1.lw --until 1000 --replications 2 --what-if {twice}");
+        let refused = session.run(&line);
+        assert_eq!(refused.code, 1, "{}", refused.err);
+        assert!(
+            refused.err.contains("error[LW102]: `cell") && refused.err.contains("is set twice"),
+            "{}",
+            refused.err
+        );
+    }
+    let copy = session.run("run md1.lw --until 1000 --set cell[2].takes=1s");
+    assert!(
+        copy.err.contains("`cell[2]` has no numbers of its own")
+            && copy
+                .err
+                .contains("set together: `cell.times`, `cell.takes`"),
+        "{}",
+        copy.err
+    );
     let number = session.run("run md1.lw --until 1000 --what-if cell=15");
     assert_eq!(number.code, 2);
     assert!(
@@ -408,4 +430,42 @@ fn every_measure_has_an_interval() {
     let over_time = &document["wip"]["over_time"];
     assert_eq!(over_time["bin_seconds"], 10.0);
     assert_eq!(over_time["means"].as_array().map(Vec::len), Some(210));
+}
+
+/// Runs that end before their warm-up are one finding with the seeds: a warning if other runs
+/// counted something, an error if none did. The table has the range of the warm-ups.
+#[test]
+fn short_runs_are_one_finding() {
+    let session = session();
+    let run = |until: &str| {
+        let mut command = session.command(&format!("run md1.lw --replications 8 --until {until}"));
+        command.args(["--warm-up", "100 parts"]);
+        let output = command.output().expect("the program runs");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (
+            output.status.code(),
+            text(&output.stdout),
+            text(&output.stderr),
+        )
+    };
+    let (code, table, findings) = run("100");
+    assert_eq!(findings.matches("LW404").count(), 1, "{findings}");
+    assert!(findings.contains("warning[LW404]"), "{findings}");
+    assert!(
+        findings.contains(" of 8 runs ended like this, also with seed"),
+        "{findings}"
+    );
+    assert!(
+        table.contains("(until 100 products), in all runs 0:01:"),
+        "{table}"
+    );
+    assert_ne!(code, Some(0));
+    let (code, _, findings) = run("50");
+    assert_eq!(findings.matches("LW404").count(), 1, "{findings}");
+    assert!(findings.contains("error[LW404]"), "{findings}");
+    assert!(
+        findings.contains("8 of 8 runs ended like this"),
+        "{findings}"
+    );
+    assert_eq!(code, Some(1));
 }

@@ -367,20 +367,20 @@ pub const MEASURES: [MeasureInfo; 34] = {
             "rejected parts",
             "the number of rejected parts",
         ),
-        of_parts(of_line(
+        or_product(of_parts(of_line(
             M::FirstPassYield,
             "first_pass_yield",
             Share,
             "first-pass yield",
             "the first-pass yield",
-        )),
-        of_parts(of_line(
+        ))),
+        or_product(of_parts(of_line(
             M::Scrap,
             "scrap",
             Share,
             "scrap",
             "the share of scrap",
-        )),
+        ))),
         or_product(of_line(
             M::Products,
             "products",

@@ -37,7 +37,8 @@ struct Reading {
     time: f64,
     products: u64,
     rejected: u64,
-    yields: Yields,
+    /// By part type.
+    yields: Vec<Yields>,
     /// Of the products of the batch that ends here.
     lead_time: LeadTime,
     percentiles: Percentiles,
@@ -258,7 +259,7 @@ impl Run<'_> {
             time: now,
             products: self.counters.products,
             rejected: self.counters.rejects.iter().map(|(count, _)| count).sum(),
-            yields: Yields::sum(&self.counters.yields),
+            yields: self.counters.yields.clone(),
             lead_time: lead_times.summary(),
             percentiles: lead_times.percentiles(&numbers),
             by_type: by_type.collect(),
@@ -339,6 +340,8 @@ impl Run<'_> {
             },
         );
         let places = places.collect();
+        let yields = to.yields.iter().zip(&from.yields);
+        let yields: Vec<Yields> = yields.map(|(to, from)| to.after(*from)).collect();
         let calendar = self.line.calendar.as_ref();
         let worked = calendar
             .map(|calendar| calendar.worked_until(to.time) - calendar.worked_until(from.time));
@@ -348,7 +351,8 @@ impl Run<'_> {
             on_shift_seconds: worked,
             products: to.products - from.products,
             rejected: to.rejected - from.rejected,
-            yields: to.yields.after(from.yields),
+            yields: Yields::sum(&yields),
+            yields_by_type: yields,
             lead_time: to.lead_time,
             percentiles: to.percentiles.clone(),
             by_type: to.by_type.clone(),

@@ -79,6 +79,15 @@ impl Setting {
         self.text[self.equals + 1..].trim()
     }
 
+    /// The finding that this setting changes what `first` has changed already. Both become sources.
+    pub fn repeats(&self, first: &Self, sources: &mut SourceMap) -> Diagnostic {
+        let [first, second] = [first, self].map(|setting| {
+            let source = format!("{} {}", setting.option, setting.name());
+            setting.name_span(sources.add(source, setting.text.as_str()))
+        });
+        set_twice(self.name(), second, first)
+    }
+
     /// Place of the name in the option's text.
     fn name_span(&self, file: FileId) -> Span {
         let start = self.text.len() - self.text.trim_start().len();
@@ -248,15 +257,7 @@ impl Target<'_> {
                 continue;
             }
             if let Some(first) = first.insert(slot, span) {
-                findings.push(
-                    Diagnostic::error(
-                        codes::NAME_DUPLICATE,
-                        span,
-                        format!("`{name}` is set twice"),
-                    )
-                    .with_label(first, "first set here")
-                    .with_help("remove one of the two"),
-                );
+                findings.push(set_twice(name, span, first));
                 continue;
             }
             match parse_value(file, &setting.text, setting.equals + 1, known[slot].syntax) {
@@ -309,6 +310,14 @@ impl Target<'_> {
             Some(names[at])
         };
         let error = |message: String| Diagnostic::error(codes::NAME_UNKNOWN, span, message);
+        if let Some((all, _)) = place.split_once('[')
+            && shown.contains(&format!("{all}.times").as_str())
+        {
+            return error(format!("`{place}` has no numbers of its own")).with_help(format!(
+                "the stations of `{all}` are alike, and their numbers are set together: {}; declare a station of its own for other numbers, or let one alone work faster: `--what-if '{place}=10%'`",
+                quoted(&numbers_of(all))
+            ));
+        }
         let within = numbers_of(&place);
         if !within.is_empty() {
             let list = format!("its numbers are {}", quoted(&within));
@@ -351,6 +360,16 @@ impl Target<'_> {
         };
         error(format!("`{target}` has no {kinds} `{place}`")).with_help(help)
     }
+}
+
+fn set_twice(name: &str, span: Span, first: Span) -> Diagnostic {
+    Diagnostic::error(
+        codes::NAME_DUPLICATE,
+        span,
+        format!("`{name}` is set twice"),
+    )
+    .with_label(first, "first set here")
+    .with_help("remove one of the two")
 }
 
 /// Whether a line declares a place, a part type or a requirement with this name.
