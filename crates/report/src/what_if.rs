@@ -4,7 +4,6 @@ use super::columns::columns;
 use super::intervals::{interval, shown_in};
 use super::json::{estimate, round};
 use linewright_language::contract::metric::Measure;
-use linewright_line::Estimate;
 use linewright_line::comparison::Comparison;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

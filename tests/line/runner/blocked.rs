@@ -1,11 +1,15 @@
 //! Lines that stand still, and their findings.
 
+use crate::attack::text::Chance;
 use crate::models::{Builder, Shift1, constant, every, plant_of, refusing};
 use linewright::contract::line::{InitialValue, NodeKind, Supply};
+use linewright::contract::load;
 use linewright::contract::machine::RealExpr;
 use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, Severity};
-use linewright::line::{Bottleneck, End, Options, Trace};
+use linewright::line::{Bottleneck, End, Options, Plant, Trace};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Duration;
 
 fn text(trace: &Trace) -> String {
@@ -384,4 +388,136 @@ fn no_deadlock_is_found_where_parts_only_wait_long() {
             assert_eq!(text(&trace), "", "{body}");
         }
     }
+}
+
+/// A random line in which parts go round, some of them without end, while sources go on.
+fn random_line(chance: &mut Chance) -> String {
+    let (stations, buffers, belts) = (2 + chance.below(3), chance.below(3), chance.below(2));
+    let mut text = String::from(
+        "part P { property n: 0..9 = 0 } part B product P source a: P every 3 s sink k sink lost rejects ",
+    );
+    let mut places = Vec::new();
+    let joins = chance.percent(30);
+    for station in 0..stations {
+        let name = format!("s{station}");
+        let times = chance.pick(&["1 s", "2 s", "exponential(3 s)", "uniform(1 s, 5 s)"]);
+        let more = chance.pick(&[
+            "",
+            "",
+            "failures mtbf 40 s mttr 9 s",
+            "shift 0 h to 0.02 h shift 0.03 h to 24 h",
+        ]);
+        text += &format!("station {name} {{ takes {times} sets n = min(n + 1, 9) on P {more} }} ");
+        places.push(name);
+    }
+    for buffer in 0..buffers {
+        let name = format!("q{buffer}");
+        let more = chance.pick(&["", "", "lifo", "highest n", "dwell 5 s", "shelf life 40 s"]);
+        text += &format!("buffer {name} capacity {} {more} ", 1 + chance.below(3));
+        places.push(name);
+    }
+    for belt in 0..belts {
+        let name = format!("c{belt}");
+        text += &format!(
+            "conveyor {name} places {} pitch 1 m speed 1 m/s ",
+            1 + chance.below(3)
+        );
+        places.push(name);
+    }
+    let first = places[chance.below(places.len())].clone();
+    let overflow = chance.pick(&["", ", lost", ", lost"]);
+    text += &format!("route P: a -> {first}{overflow} ");
+    if joins {
+        // A pair that waits for a part of the other type, which may be scarce.
+        let every = chance.pick(&["2 s", "30 s", "1000 s", "4 s limit 3"]);
+        text += &format!(
+            "part F from P, B source b: B every {every} station pair {{ takes 1 s a F }}
+             route B: b -> pair, lost route F: pair -> k "
+        );
+        places.push("pair".to_owned());
+    }
+    for place in places.iter().filter(|place| *place != "pair") {
+        let onward = |chance: &mut Chance| loop {
+            let to = &places[chance.below(places.len())];
+            if to != place || place.starts_with('s') {
+                return to.clone();
+            }
+        };
+        let (one, other) = (onward(chance), onward(chance));
+        let choice = if chance.percent(20) && other != one {
+            format!("{one}, {other}")
+        } else {
+            one
+        };
+        let rounds = chance.below(6);
+        let end = if chance.percent(60) {
+            "k".to_owned()
+        } else {
+            onward(chance)
+        };
+        text += &format!(
+            "route P: {place} -> {choice} when n <= {rounds} route P: {place} -> {end} otherwise "
+        );
+    }
+    text
+}
+
+/// Where a deadlock is found, nothing in it moves any more, however long the run goes on. Where
+/// nothing moves for long although a part is blocked, one is found, unless parts wait for what never
+/// comes.
+#[test]
+fn deadlocks_of_random_lines_last() {
+    let mut chance = Chance::new(28);
+    let (mut found, mut still) = (0, 0);
+    for number in 0..1500 {
+        let text = random_line(&mut chance);
+        let files = [("line.lw".to_owned(), format!("line L {{ {text} }}"))];
+        let (library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
+        if findings.iter().any(|f| f.severity == Severity::Error) {
+            continue;
+        }
+        let line = Arc::new(library.lines[0].clone());
+        let run = |until: f64| {
+            let options = Options {
+                until: Some(until),
+                ..Options::default()
+            };
+            let plant = Plant::new(Arc::clone(&line), BTreeMap::new(), options);
+            plant.expect("a plant").run()
+        };
+        let (short, long) = (run(400.0), run(4000.0));
+        if short.end != End::Time || long.end != End::Time {
+            continue;
+        }
+        let worked = |trace: &Trace, place: &str| {
+            let station = trace.stations.iter().find(|s| s.name == place);
+            let belt = trace.conveyors.iter().find(|c| c.name == place);
+            let buffer = trace.buffers.iter().find(|b| b.name == place);
+            let moved = station.map(|s| s.processed).or(belt.map(|c| c.carried));
+            moved.or(buffer.map(|b| b.passed))
+        };
+        if let Some((places, since)) = deadlock(&short) {
+            found += 1;
+            assert!(since <= 400.0);
+            for place in places {
+                let both = (worked(&short, place), worked(&long, place));
+                assert_eq!(both.0, both.1, "{number}: {place} of {text}");
+            }
+            assert!(deadlock(&long).is_some(), "{number}: {text}");
+        }
+        let later = run(8000.0);
+        let rests = long
+            .stations
+            .iter()
+            .zip(&later.stations)
+            .all(|(a, b)| a.processed == b.processed);
+        let is_blocked = later.stations.iter().any(|s| s.shares.blocked > 0.5);
+        let waits_for_parts = text.contains("pair");
+        if rests && is_blocked && !waits_for_parts && later.end == End::Time {
+            still += 1;
+            assert!(deadlock(&long).is_some(), "{number}: {text}");
+        }
+    }
+    println!("{found} deadlocks, {still} lines that stand still");
+    assert!(found > 100 && still > 50, "{found} {still}");
 }

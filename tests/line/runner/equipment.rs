@@ -3,7 +3,7 @@
 
 use crate::models::plant_of;
 use linewright::line::trace::Oee;
-use linewright::line::{Options, Trace};
+use linewright::line::{Batches, Options, Trace};
 
 fn run(text: &str, options: Options) -> Trace {
     plant_of(text, options).run()
