@@ -65,6 +65,24 @@ const EQUAL: f64 = 0.01;
 /// it waits.
 const MUCH: f64 = 0.1;
 
+/// Maximum number of places of a deadlock in a text.
+const SHOWN: usize = 8;
+
+impl Deadlock {
+    /// The places in a text: `a, b and c`, or the first of many.
+    pub fn listed(&self) -> String {
+        match &self.places[..] {
+            [] => String::new(),
+            [only] => only.clone(),
+            many if many.len() > SHOWN => {
+                let more = many.len() - SHOWN;
+                format!("{} and {more} more", many[..SHOWN].join(", "))
+            }
+            [first @ .., last] => format!("{} and {last}", first.join(", ")),
+        }
+    }
+}
+
 impl Bottleneck {
     /// Determines the bottleneck from the statistics of a run of a line.
     pub(crate) fn of(

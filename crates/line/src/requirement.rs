@@ -502,7 +502,7 @@ fn bottleneck(line: &Line, bottleneck: &Bottleneck) -> Option<String> {
         )),
         Bottleneck::Deadlock(deadlock) => Some(format!(
             "{} of {} wait for one another for ever",
-            deadlock.places.join(" and "),
+            deadlock.listed(),
             line.name
         )),
         Bottleneck::Undecided(stations) => {

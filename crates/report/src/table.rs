@@ -584,7 +584,7 @@ pub(super) fn bottleneck(bottleneck: &Bottleneck) -> String {
         }
         Bottleneck::Deadlock(deadlock) => format!(
             "undecided: deadlock of {} since {}",
-            deadlock.places.join(", "),
+            deadlock.listed(),
             clock(deadlock.since)
         ),
         Bottleneck::Undecided(stations) => {

@@ -305,13 +305,19 @@ fn a_deadlock_is_found_while_a_source_overflows() {
     let trace = run_text(&overflow, None, Some(7200.0));
     assert_eq!((trace.end, trace.products), (End::Time, 0));
     assert_eq!(deadlock(&trace), Some((vec!["x", "y"], 4.0)));
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @"
+    LW403: parts of the line can never move again (deadlock since 0:00:04), although the rest goes on: x waits for y, y waits for x
+      Let fewer parts into the line than fill the cycle, or add another route out of it.
+    ");
     // A run that waits for products ends long before five million events.
     let trace = run_text(&overflow, Some(10), None);
     assert_eq!((trace.end, trace.products), (End::Blocked, 0));
     assert!(trace.events < 200_000);
     assert_eq!(deadlock(&trace), Some((vec!["x", "y"], 4.0)));
-    insta::assert_snapshot!(text(&trace), @"");
+    insta::assert_snapshot!(text(&trace), @"
+    LW403: no product can be finished any more, with 0 of 10 products made: parts can never move again (deadlock since 0:00:04): x waits for y, y waits for x
+      Let fewer parts into the line than fill the cycle, or add another route out of it.
+    ");
 }
 
 /// What goes on is the shelf life of a buffer before the deadlock, shifts and failures elsewhere,
@@ -367,7 +373,7 @@ fn no_deadlock_is_found_where_parts_only_wait_long() {
          station x { takes 1 s } buffer q capacity 4 dwell 980 s station y { takes 1 s } sink k
          route P: a -> x, lost route P: x -> q -> y -> k",
         // A carton waits for the bottles that come late.
-        "part B part C part F from 2 B, C source b: B every 600 s source c: C every 1 s
+        "part B part C part F from 2 B, 1 C source b: B every 600 s source c: C every 1 s
          sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
          route B: b -> s route C: c -> q, lost route C: q -> s route F: s -> k",
         // A loop whose buffer scraps parts that are too old.
@@ -376,7 +382,7 @@ fn no_deadlock_is_found_where_parts_only_wait_long() {
          route P: a -> x, lost
          route P: x -> q when again route P: x -> k otherwise route P: q -> x",
         // The stock of a component is used up: the rest waits for ever, and nothing in a circle.
-        "part B part C part F from B, C source b: B every 1 s, at most 1000 in the line
+        "part B part C part F from 1 B, 1 C source b: B every 1 s, at most 1000 in the line
          source c: C every 1 s limit 3
          sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
          route B: b -> q, lost route B: q -> s route C: c -> s route F: s -> k",
@@ -431,7 +437,7 @@ fn random_line(chance: &mut Chance) -> String {
         // A pair that waits for a part of the other type, which may be scarce.
         let every = chance.pick(&["2 s", "30 s", "1000 s", "4 s limit 3"]);
         text += &format!(
-            "part F from P, B source b: B every {every} station pair {{ takes 1 s a F }}
+            "part F from 1 P, 1 B source b: B every {every} station pair {{ takes 1 s a F }}
              route B: b -> pair, lost route F: pair -> k "
         );
         places.push("pair".to_owned());

@@ -284,10 +284,12 @@ const MAX_COMBINATIONS: usize = 100_000;
 pub fn is_covered(line: &Line, index: usize) -> bool {
     let route = &line.routes[index];
     let earlier = &line.routes[..line.first_of_way(index)];
-    let earlier = earlier.iter().filter(|first| {
-        let is_same = (first.part, first.from) == (route.part, route.from);
-        is_same && first.condition.is_some()
-    });
+    let earlier = earlier
+        .iter()
+        .filter(|first| (first.part, first.from) == (route.part, route.from));
+    if earlier.clone().any(|first| first.condition.is_none()) {
+        return false;
+    }
     let conditions: Vec<&RealExpr> = earlier
         .clone()
         .filter_map(|first| first.condition.as_ref())
@@ -365,21 +367,45 @@ fn compares(expr: &RealExpr, property: usize, with: &mut Vec<f64>) -> bool {
         RealExpr::Number(_) | RealExpr::Wire(_) => true,
         RealExpr::Property(used) => *used != property,
         RealExpr::Unary(_, a) => compares(a, property, with),
-        RealExpr::Binary(op, a, b) => match (&**a, &**b) {
-            (RealExpr::Property(used), RealExpr::Number(number))
-            | (RealExpr::Number(number), RealExpr::Property(used))
-                if *used == property && matches!(op, Eq | Ne | Lt | Le | Gt | Ge) =>
-            {
-                with.push(*number);
-                true
+        RealExpr::Binary(op, a, b) => {
+            let compared = match (&**a, &**b) {
+                (of, RealExpr::Number(number)) | (RealExpr::Number(number), of)
+                    if matches!(op, Eq | Ne | Lt | Le | Gt | Ge) =>
+                {
+                    scale_of(of, property).map(|scale| number / scale)
+                }
+                _ => None,
+            };
+            if let Some(bound) = compared {
+                // The scale may be rounded.
+                with.extend([bound.next_down(), bound, bound.next_up()]);
+                return true;
             }
-            (a, b) => compares(a, property, with) && compares(b, property, with),
-        },
+            compares(a, property, with) && compares(b, property, with)
+        }
         RealExpr::If(c, a, b) => {
             let mut all = [c, a, b].into_iter();
             all.all(|part| compares(part, property, with))
         }
     }
+}
+
+/// By which number an expression multiplies a property, as a unit does; `None` if it is anything
+/// else.
+fn scale_of(expr: &RealExpr, property: usize) -> Option<f64> {
+    let scale = match expr {
+        RealExpr::Property(used) if *used == property => 1.0,
+        RealExpr::Binary(RealBinary::Mul, a, b) => match (&**a, &**b) {
+            (RealExpr::Number(by), of) | (of, RealExpr::Number(by)) => by * scale_of(of, property)?,
+            _ => return None,
+        },
+        RealExpr::Binary(RealBinary::Div, a, b) => match &**b {
+            RealExpr::Number(by) => scale_of(a, property)? / by,
+            _ => return None,
+        },
+        _ => return None,
+    };
+    (scale.is_finite() && scale != 0.0).then_some(scale)
 }
 
 /// Reports routes behind conditions of which one always holds.

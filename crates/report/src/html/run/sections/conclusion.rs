@@ -167,9 +167,7 @@ pub(super) fn limit(bottleneck: &Bottleneck) -> Option<String> {
         Bottleneck::Source { names, .. } => {
             Some(format!("the supply from {}", names.join(" and ")))
         }
-        Bottleneck::Deadlock(deadlock) => {
-            Some(format!("the deadlock of {}", deadlock.places.join(", ")))
-        }
+        Bottleneck::Deadlock(deadlock) => Some(format!("the deadlock of {}", deadlock.listed())),
         Bottleneck::Undecided(stations) => {
             let names: Vec<&str> = stations.iter().map(|s| s.name.as_str()).collect();
             Some(format!(
@@ -206,7 +204,7 @@ fn limit_with_evidence(bottleneck: &Bottleneck) -> Option<String> {
         }
         Bottleneck::Deadlock(deadlock) => format!(
             "The line has no bottleneck: {} wait for one another for ever, since {}.",
-            deadlock.places.join(", "),
+            deadlock.listed(),
             duration_in_units(deadlock.since)
         ),
         _ => format!("The bottleneck is {}.", limit(bottleneck)?),
