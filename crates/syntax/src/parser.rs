@@ -630,8 +630,8 @@ fn finding_of(
     }
 }
 
-/// Returns the finding for a number with a sign, a fraction or an exponent at the start of the text,
-/// where a count is expected.
+/// Returns the finding for a number with a sign, a fraction or an exponent at the start of the
+/// text, where a count is expected.
 fn not_whole(file: FileId, at: usize, text: &str, expected: &[Rule]) -> Option<Diagnostic> {
     let any_number = [Rule::expression, Rule::quantity, Rule::real, Rule::additive];
     if !expected.contains(&Rule::integer) || any_number.iter().any(|rule| expected.contains(rule)) {

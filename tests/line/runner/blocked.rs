@@ -469,8 +469,8 @@ fn random_line(chance: &mut Chance) -> String {
 }
 
 /// Where a deadlock is found, nothing in it moves any more, however long the run goes on. Where
-/// nothing moves for long although a part is blocked, one is found, unless parts wait for what never
-/// comes.
+/// nothing moves for long although a part is blocked, one is found, unless parts wait for what
+/// never comes.
 #[test]
 fn deadlocks_of_random_lines_last() {
     let mut chance = Chance::new(28);

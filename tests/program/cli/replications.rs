@@ -467,5 +467,5 @@ fn short_runs_are_one_finding() {
         findings.contains("8 of 8 runs ended like this"),
         "{findings}"
     );
-    assert_eq!(code, Some(1));
+    assert_eq!(code, Some(2));
 }

@@ -278,8 +278,8 @@ fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
 /// Maximum number of combinations of values for which conditions are tried.
 const MAX_COMBINATIONS: usize = 100_000;
 
-/// Returns whether no part ever takes a route because, whatever values the part has, it takes one of
-/// the routes with a condition that come before. If this is too large to be decided, returns false.
+/// Returns whether no part ever takes a route because, whatever values the part has, it takes one
+/// of the routes with a condition that come before. If this is too large to be decided, returns false.
 /// A route to the place of one of these is no mistake, because routes share their ends.
 pub fn is_covered(line: &Line, index: usize) -> bool {
     let route = &line.routes[index];
@@ -315,10 +315,10 @@ pub fn is_covered(line: &Line, index: usize) -> bool {
     })
 }
 
-/// Returns values of the properties in these conditions such that the conditions cover everything if
-/// they cover each combination of these: all values, or for real numbers one at, between and beyond
-/// the numbers with which they are compared. `None` if that is too many, or if real numbers are used
-/// in another way.
+/// Returns values of the properties in these conditions such that the conditions cover everything
+/// if they cover each combination of these: all values, or for real numbers one at, between and
+/// beyond the numbers with which they are compared. `None` if that is too many, or if real numbers
+/// are used in another way.
 fn values_to_try(part: &PartType, conditions: &[&RealExpr]) -> Option<Vec<(usize, Vec<f64>)>> {
     let mut used: BTreeSet<usize> = BTreeSet::new();
     for condition in conditions {

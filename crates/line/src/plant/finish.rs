@@ -209,8 +209,8 @@ impl Run<'_> {
     }
 
     /// Checks Little's law for the line and for each buffer. It holds exactly in every interval
-    /// (Stidham, 1974): the integral of the number of parts there is the sum of the times that parts
-    /// spent there.
+    /// (Stidham, 1974): the integral of the number of parts there is the sum of the times that
+    /// parts spent there.
     fn check_littles_law(&mut self) {
         let (now, start) = (self.now, self.counting_start());
         self.counters.units.advance(now);
