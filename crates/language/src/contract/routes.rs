@@ -279,8 +279,8 @@ fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
 const MAX_COMBINATIONS: usize = 100_000;
 
 /// Returns whether no part ever takes a route because, whatever values the part has, it takes one
-/// of the routes with a condition that come before. If this is too large to be decided, returns false.
-/// A route to the place of one of these is no mistake, because routes share their ends.
+/// of the routes with a condition that come before. If this is too large to be decided, returns
+/// false. A route to the place of one of these is no mistake, because routes share their ends.
 pub fn is_covered(line: &Line, index: usize) -> bool {
     let route = &line.routes[index];
     let earlier = &line.routes[..line.first_of_way(index)];
