@@ -9,6 +9,7 @@ use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, Severity};
 use linewright::line::{Bottleneck, End, Options, Plant, Trace};
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -413,18 +414,26 @@ fn random_line(chance: &mut Chance) -> String {
             "failures mtbf 40 s mttr 9 s",
             "shift 0 h to 0.02 h shift 0.03 h to 24 h",
         ]);
-        text += &format!("station {name} {{ takes {times} sets n = min(n + 1, 9) on P {more} }} ");
+        let _ = write!(
+            text,
+            "station {name} {{ takes {times} sets n = min(n + 1, 9) on P {more} }} "
+        );
         places.push(name);
     }
     for buffer in 0..buffers {
         let name = format!("q{buffer}");
         let more = chance.pick(&["", "", "lifo", "highest n", "dwell 5 s", "shelf life 40 s"]);
-        text += &format!("buffer {name} capacity {} {more} ", 1 + chance.below(3));
+        let _ = write!(
+            text,
+            "buffer {name} capacity {} {more} ",
+            1 + chance.below(3)
+        );
         places.push(name);
     }
     for belt in 0..belts {
         let name = format!("c{belt}");
-        text += &format!(
+        let _ = write!(
+            text,
             "conveyor {name} places {} pitch 1 m speed 1 m/s ",
             1 + chance.below(3)
         );
@@ -432,11 +441,12 @@ fn random_line(chance: &mut Chance) -> String {
     }
     let first = places[chance.below(places.len())].clone();
     let overflow = chance.pick(&["", ", lost", ", lost"]);
-    text += &format!("route P: a -> {first}{overflow} ");
+    let _ = write!(text, "route P: a -> {first}{overflow} ");
     if joins {
         // A pair that waits for a part of the other type, which may be scarce.
         let every = chance.pick(&["2 s", "30 s", "1000 s", "4 s limit 3"]);
-        text += &format!(
+        let _ = write!(
+            text,
             "part F from 1 P, 1 B source b: B every {every} station pair {{ takes 1 s a F }}
              route B: b -> pair, lost route F: pair -> k "
         );
@@ -461,7 +471,8 @@ fn random_line(chance: &mut Chance) -> String {
         } else {
             onward(chance)
         };
-        text += &format!(
+        let _ = write!(
+            text,
             "route P: {place} -> {choice} when n <= {rounds} route P: {place} -> {end} otherwise "
         );
     }
