@@ -496,7 +496,9 @@ mod tests {
             estimate.of_measure(Measure::Wip).interval(),
             Some((low, high))
         );
-        assert_eq!(share.scaled(100.0).interval(), Some((low * 100.0, 100.0)));
+        let (percent, hundred) = share.scaled(100.0).interval().unwrap();
+        assert!((percent - low * 100.0).abs() < 1e-9);
+        assert_eq!(hundred, 100.0);
         let scrap = Estimate::of(&[0.0, 0.0, 0.1])
             .unwrap()
             .of_measure(Measure::Scrap);

@@ -131,7 +131,7 @@ fn a_number_of_parts_may_be_drawn() {
     };
     assert_eq!(rounded("constant(2)"), rounded("2"));
     assert_eq!(rounded("constant(2.5)"), rounded("3"));
-    assert_eq!(rounded("uniform(0, 0.4)"), rounded("1"));
+    assert_eq!(rounded("discrete(0: 30 %, 1.45: 70 %)"), rounded("1"));
     assert_eq!(rounded("uniform(1.6, 2.4)"), rounded("2"));
 }
 

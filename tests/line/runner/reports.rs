@@ -546,11 +546,11 @@ fn requirements_over_all_runs() {
     assert_eq!(
         messages,
         [
-            "the requirement pace is undecided: the throughput in products an hour is 220 (95 % interval -90.269 to \
+            "the requirement pace is undecided: the throughput in products an hour is 220 (95 % interval 0 to \
              530.269, 3 runs), and should be at least 150",
-            "the requirement short does not hold: the makespan in seconds is 200 (95 % interval -48.414 to 448.414, 3 \
+            "the requirement short does not hold: the makespan in seconds is 200 (95 % interval 0 to 448.414, 3 \
              runs), and should be at most -50",
-            "the requirement exact is undecided: the makespan in seconds is 200 (95 % interval -48.414 to 448.414, 3 \
+            "the requirement exact is undecided: the makespan in seconds is 200 (95 % interval 0 to 448.414, 3 \
              runs), and should be exactly 100",
         ]
     );
@@ -602,9 +602,10 @@ fn requirements_over_all_runs() {
     assert_eq!(pace["value"], 220.0);
     // t of 2 degrees of freedom 4.302653, standard deviation 124.899960, over the root of 3.
     assert!(
-        (pace["low"].as_f64().unwrap() - (220.0 - 310.268)).abs() < 1e-2,
+        (pace["high"].as_f64().unwrap() - (220.0 + 310.268)).abs() < 1e-2,
         "{pace}"
     );
+    assert_eq!(pace["low"], 0.0, "the lower end is cut");
     assert_eq!(
         (&pace["worst"]["seed"], &pace["worst"]["value"]),
         (&7.into(), &120.0.into())
@@ -621,10 +622,10 @@ fn requirements_over_all_runs() {
         .take(5)
         .collect();
     insta::assert_snapshot!(rows.join("\n"), @r"
-      requirement verdict   required                      mean    from      to   worst
-      pace        undecided throughput per hour >= 150 220.000 -90.269 530.269 120.000
-      short       fails     makespan in s <= -50       200.000 -48.414 448.414 300.000
-      exact       undecided makespan in s = 100        200.000 -48.414 448.414 300.000
-      made        holds     products = 10               10.000  10.000  10.000  10.000
+      requirement verdict   required                      mean   from      to   worst
+      pace        undecided throughput per hour >= 150 220.000  0.000 530.269 120.000
+      short       fails     makespan in s <= -50       200.000  0.000 448.414 300.000
+      exact       undecided makespan in s = 100        200.000  0.000 448.414 300.000
+      made        holds     products = 10               10.000 10.000  10.000  10.000
     ");
 }
