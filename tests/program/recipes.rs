@@ -731,6 +731,57 @@ fn the_topology_of_ten_resources_has_the_size_that_the_paper_says() {
     );
 }
 
+/// A press that is slower than another and needs less power, and one without a way to the press.
+const PRESSES: &str = "
+layout Slow {
+    resource table: Table at s0 { s0 -> s1: load in 1 s  s1 -> s0: out:table  nop s0, s1 }
+    resource press: Press at s0 {
+        s0 -> s1: in:press  s1 -> s2: form in 9 s power 100 W  s2 -> s0: unload in 1 s
+        nop s0, s1, s2
+    }
+    transport table -> press in 2 s
+}
+layout Fast {
+    resource table: Table at s0 { s0 -> s1: load in 1 s  s1 -> s0: out:table  nop s0, s1 }
+    resource press: Press at s0 {
+        s0 -> s1: in:press  s1 -> s2: form in 4 s power 900 W  s2 -> s0: unload in 1 s
+        nop s0, s1, s2
+    }
+    transport table -> press in 2 s
+}
+recipe Cup {
+    part c: Cup
+    start a
+    a -> b: load()(c); form(c)(c); unload(c)()
+    end b
+}
+";
+
+#[test]
+fn layouts_are_compared_by_what_plans_have_least_of() {
+    let sandbox = sandbox();
+    let folder = sandbox.path();
+    std::fs::write(folder.join("presses.lw"), PRESSES).expect("the file is written");
+    let compared = |options: &str| text(folder, &format!("recipe diff presses.lw {options}"));
+    let (code, steps) = compared("Slow Fast");
+    assert_eq!((code, steps.contains("the same")), (0, true), "{steps}");
+    let (code, faster) = compared("Slow Fast --least time");
+    assert_eq!((code, faster.contains("faster")), (0, true), "{faster}");
+    assert!(
+        faster.contains("13 s") && faster.contains("8 s"),
+        "{faster}"
+    );
+    let (code, slower) = compared("Fast Slow --least time");
+    assert_eq!((code, slower.contains("slower")), (1, true), "{slower}");
+    let (code, more) = compared("Slow Fast --least energy");
+    assert_eq!((code, more.contains("more")), (1, true), "{more}");
+    let (_, document) = document(folder, "recipe diff presses.lw Slow Fast --least energy");
+    assert_eq!(document["least"], "energy");
+    let recipe = &document["recipes"][0];
+    let values = ["first", "second"].map(|layout| recipe[layout]["value"].as_f64());
+    assert_eq!(values, [Some(900.0), Some(3600.0)]);
+}
+
 #[test]
 fn two_layouts_are_compared() {
     let sandbox = sandbox();
@@ -743,14 +794,17 @@ fn two_layouts_are_compared() {
             .iter()
             .find(|r| r["name"] == name)
             .expect("a recipe");
-        let steps = ["first", "second"].map(|field| recipe[field].as_u64());
+        let steps = ["first", "second"].map(|field| recipe[field]["value"].as_f64());
         (recipe["change"].as_str().expect("a word").to_owned(), steps)
     };
     assert_eq!(
         change("Hinge"),
-        ("shorter".to_owned(), [Some(21), Some(20)])
+        ("less".to_owned(), [Some(21.0), Some(20.0)])
     );
-    assert_eq!(change("FastHinge"), ("gained".to_owned(), [None, Some(21)]));
+    assert_eq!(
+        change("FastHinge"),
+        ("gained".to_owned(), [None, Some(21.0)])
+    );
     let (code, same) = text(folder, "recipe diff examples/pad/hinge.lw Pad Pad");
     assert_eq!(code, 0);
     assert!(same.contains("the same"), "{same}");

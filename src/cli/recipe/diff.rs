@@ -1,31 +1,35 @@
 //! `linewright recipe diff`: which recipes two layouts can make.
 
-use super::{aligned, print_result};
+use super::least::Least;
+use super::schedule::{number, value};
+use super::{aligned, print_result, stations};
 use crate::cli::console::{Failed, schema};
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
-use crate::contract::recipe::{Layout, Recipe};
+use crate::contract::recipe::{Layout, Realization, Recipe};
 use crate::engine::files::LoadedFiles;
-use crate::engine::recipes;
-use crate::recipe::realize::{Outcome, SearchLimits};
+use crate::engine::pipeline::Verdict;
+use crate::engine::recipes::{self, Aim};
+use crate::recipe::plan::Objective;
+use crate::recipe::realize::Outcome;
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fmt;
 
 /// The arguments of `recipe diff`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
     linewright recipe diff examples/pad/parallel.lw Pad Six
     linewright recipe diff examples/pad/six.lw Pad Six --format json
+    linewright recipe diff examples/pad/parallel.lw Pad Six --least transfers
 
     $ linewright recipe diff examples/pad/six.lw Six Pad
 
-Every recipe of the file and of its imports is tried on both layouts. The exit code is 1 if the \
-second layout cannot make a recipe that the first can, or needs more steps, and 3 if this was not \
-decided.")]
+Every recipe of the file and of its imports is tried on both layouts, for one product. The exit \
+code is 1 if the second layout cannot make a recipe that the first can, or needs more steps (or \
+time, energy or transfers), and 3 if this was not decided.")]
 pub struct Arguments {
     /// The file with the layouts and recipes
     #[arg(value_name = "FILE")]
@@ -36,6 +40,9 @@ pub struct Arguments {
     /// The other layout
     #[arg(value_name = "B")]
     pub second: String,
+    /// What is compared, in the worst case over the outcomes of the tests
+    #[arg(long, value_enum, default_value = "steps", value_name = "WHAT")]
+    pub least: Least,
 }
 
 /// Describes the JSON document that the command prints.
@@ -49,6 +56,8 @@ pub const DOCUMENT: Described = Described::new(
 #[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// What is compared.
+    least: Least,
     /// The name of one layout.
     first: String,
     /// The name of the other layout.
@@ -62,15 +71,24 @@ struct Document {
 struct RecipeComparison {
     /// The name of the recipe.
     name: String,
-    /// The number of steps on the first layout, in the worst case; absent if it cannot be made, or
-    /// this was not decided.
+    /// The best plan that was found on the first layout; absent if there is none, or this was not
+    /// decided.
     #[serde(skip_serializing_if = "Option::is_none")]
-    first: Option<u32>,
+    first: Option<LeastValue>,
     /// The same on the second layout.
     #[serde(skip_serializing_if = "Option::is_none")]
-    second: Option<u32>,
+    second: Option<LeastValue>,
     /// What the second layout changes.
     change: RecipeChange,
+}
+
+/// The value of the best plan that was found.
+#[derive(JsonSchema, Serialize)]
+struct LeastValue {
+    /// In the worst case over the outcomes of the tests: steps, seconds, joules or transfers.
+    value: f64,
+    /// No plan has a smaller value.
+    lower_bound: f64,
 }
 
 /// What the second layout changes for a recipe.
@@ -81,11 +99,11 @@ enum RecipeChange {
     Gained,
     /// Only the first layout can make it.
     Lost,
-    /// It needs fewer steps.
-    Shorter,
-    /// It needs more steps.
-    Longer,
-    /// It needs the same number of steps.
+    /// It needs less: fewer steps, less time or energy, or fewer transfers.
+    Less,
+    /// It needs more.
+    More,
+    /// It needs as much.
     Same,
     /// Neither can make it.
     Neither,
@@ -93,34 +111,62 @@ enum RecipeChange {
     NotDecided,
 }
 
-impl fmt::Display for RecipeChange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Gained => "gained",
-            Self::Lost => "lost",
-            Self::Shorter => "shorter",
-            Self::Longer => "longer",
-            Self::Same => "the same",
-            Self::Neither => "neither can make it",
-            Self::NotDecided => "not decided",
-        })
+impl RecipeChange {
+    fn words(self, least: Least) -> &'static str {
+        match (self, least) {
+            (Self::Gained, _) => "gained",
+            (Self::Lost, _) => "lost",
+            (Self::Less, Least::Steps) => "shorter",
+            (Self::More, Least::Steps) => "longer",
+            (Self::Less, Least::Time) => "faster",
+            (Self::More, Least::Time) => "slower",
+            (Self::Less, _) => "less",
+            (Self::More, _) => "more",
+            (Self::Same, _) => "the same",
+            (Self::Neither, _) => "neither can make it",
+            (Self::NotDecided, _) => "not decided",
+        }
     }
 }
 
-/// The number of steps with which a layout makes a recipe.
+/// How a layout makes a recipe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Steps {
-    /// This many in the worst case; `false` if fewer could suffice.
-    Number(u32, bool),
-    None,
+enum Makes {
+    /// The value of the best plan that was found, and a lower bound of all.
+    With {
+        value: i64,
+        lower_bound: i64,
+    },
+    Not,
     Unknown,
 }
 
-impl Steps {
-    fn number(self) -> Option<u32> {
+impl Makes {
+    fn value(self, objective: Objective) -> Option<LeastValue> {
         match self {
-            Self::Number(number, _) => Some(number),
-            Self::None | Self::Unknown => None,
+            Self::With { value, lower_bound } => Some(LeastValue {
+                value: number(objective, value),
+                lower_bound: number(objective, lower_bound),
+            }),
+            Self::Not | Self::Unknown => None,
+        }
+    }
+
+    fn text(self, objective: Objective) -> String {
+        match self {
+            Self::With {
+                value: v,
+                lower_bound,
+            } if v == lower_bound => value(objective, v),
+            Self::With {
+                value: v,
+                lower_bound,
+            } => {
+                let least = value(objective, lower_bound);
+                format!("{} (at least {least})", value(objective, v))
+            }
+            Self::Not => "-".to_owned(),
+            Self::Unknown => "?".to_owned(),
         }
     }
 }
@@ -137,34 +183,48 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     let first = layout(&loaded, &arguments.first, &arguments.file)?;
     let second = layout(&loaded, &arguments.second, &arguments.file)?;
-    let limits = recipes::search_limits(options.effort);
-    let mut entries = Vec::new();
-    for recipe in &loaded.library.recipes {
-        let on_first = steps(first, recipe, limits);
-        let on_second = steps(second, recipe, limits);
-        entries.push(RecipeComparison {
-            name: recipe.model.name.clone(),
-            first: on_first.number(),
-            second: on_second.number(),
-            change: change(on_first, on_second),
-        });
+    let mut layouts = vec![first.clone(), second.clone()];
+    let aim = Aim {
+        objective: arguments.least.into(),
+        factor: options.effort,
+        as_plan: false,
+    };
+    if matches!(arguments.least, Least::Time | Least::Energy) {
+        layouts = match stations::timed(&loaded, &[first, second], DOCUMENT.name, options)? {
+            Ok((timed, _)) => timed,
+            Err(code) => return Ok(code),
+        };
     }
-    let has = |change: RecipeChange| entries.iter().any(|e| e.change == change);
-    let is_worse = has(RecipeChange::Lost) || has(RecipeChange::Longer);
+    let mut compared = Vec::new();
+    for recipe in &loaded.library.recipes {
+        let makes = |layout| makes(&loaded, layout, recipe, aim);
+        compared.push((recipe, makes(&layouts[0]), makes(&layouts[1])));
+    }
+    let entries = compared.iter().map(|(recipe, first, second)| {
+        let change = change(*first, *second);
+        RecipeComparison {
+            name: recipe.model.name.clone(),
+            first: first.value(aim.objective),
+            second: second.value(aim.objective),
+            change,
+        }
+    });
+    let document = Document {
+        schema: schema(DOCUMENT.name),
+        least: arguments.least,
+        first: arguments.first.clone(),
+        second: arguments.second.clone(),
+        recipes: entries.collect(),
+    };
+    let has = |change: RecipeChange| document.recipes.iter().any(|e| e.change == change);
     let code = if has(RecipeChange::NotDecided) {
         ExitCode::GaveUp
-    } else if is_worse {
+    } else if has(RecipeChange::Lost) || has(RecipeChange::More) {
         ExitCode::Findings
     } else {
         ExitCode::Success
     };
-    let document = Document {
-        schema: schema(DOCUMENT.name),
-        first: arguments.first.clone(),
-        second: arguments.second.clone(),
-        recipes: entries,
-    };
-    print_result(&document, || text(&document), options)?;
+    print_result(&document, || text(arguments, &compared), options)?;
     Ok(code)
 }
 
@@ -182,51 +242,87 @@ fn layout<'l>(loaded: &'l LoadedFiles, name: &str, path: &str) -> anyhow::Result
     anyhow::bail!("{path} has no layout `{name}`: it has {}", known.join(", "))
 }
 
-fn steps(layout: &Layout, recipe: &Recipe, limits: SearchLimits) -> Steps {
+/// Searches for the best plan of one product.
+fn makes(loaded: &LoadedFiles, layout: &Layout, recipe: &Recipe, aim: Aim) -> Makes {
     // A test that names a resource of another layout cannot be performed here.
     let misfits = recipe.model.problems_on(&layout.model);
     if misfits.iter().any(|p| !p.is_warning()) {
-        return Steps::None;
+        return Makes::Not;
     }
-    let outcome = recipes::attempt(layout, recipe, limits).unwrap_or_else(|fault| fault.raise());
-    match outcome {
-        Outcome::Realizable(controller) => {
-            Steps::Number(controller.worst_case, controller.is_least)
-        }
-        Outcome::Unrealizable(_) => Steps::None,
-        Outcome::GaveUp(_) => Steps::Unknown,
+    if aim.objective == Objective::Steps {
+        let limits = recipes::search_limits(aim.factor);
+        let outcome =
+            recipes::attempt(layout, recipe, limits).unwrap_or_else(|fault| fault.raise());
+        return match outcome {
+            Outcome::Realizable(controller) => {
+                let value = i64::from(controller.worst_case);
+                let lower_bound = if controller.is_least { value } else { 0 };
+                Makes::With { value, lower_bound }
+            }
+            Outcome::Unrealizable(_) => Makes::Not,
+            Outcome::GaveUp(_) => Makes::Unknown,
+        };
+    }
+    let realization = Realization::of(recipe, layout);
+    let decision = recipes::plan_on(layout, &loaded.library, &realization, aim);
+    match (decision.verdict, decision.solution.as_ref()) {
+        (_, Some(solution)) => match solution.plan() {
+            Some(plan) => Makes::With {
+                value: plan.value,
+                lower_bound: plan.lower_bound,
+            },
+            None => Makes::Unknown,
+        },
+        (Verdict::Unrealizable, _) => Makes::Not,
+        _ => Makes::Unknown,
     }
 }
 
-fn change(first: Steps, second: Steps) -> RecipeChange {
+fn change(first: Makes, second: Makes) -> RecipeChange {
     match (first, second) {
-        (Steps::None, Steps::None) => RecipeChange::Neither,
-        (Steps::None, Steps::Number(..)) => RecipeChange::Gained,
-        (Steps::Number(..), Steps::None) => RecipeChange::Lost,
-        (Steps::Number(a, true), Steps::Number(b, true)) => match b.cmp(&a) {
-            std::cmp::Ordering::Less => RecipeChange::Shorter,
-            std::cmp::Ordering::Equal => RecipeChange::Same,
-            std::cmp::Ordering::Greater => RecipeChange::Longer,
-        },
-        // A search reached its limits, or fewer steps could suffice.
+        (Makes::Not, Makes::Not) => RecipeChange::Neither,
+        (Makes::Not, Makes::With { .. }) => RecipeChange::Gained,
+        (Makes::With { .. }, Makes::Not) => RecipeChange::Lost,
+        (
+            Makes::With {
+                value: a,
+                lower_bound: least_a,
+            },
+            Makes::With {
+                value: b,
+                lower_bound: least_b,
+            },
+        ) => {
+            if b < least_a {
+                RecipeChange::Less
+            } else if a < least_b {
+                RecipeChange::More
+            } else if a == least_a && b == least_b && a == b {
+                RecipeChange::Same
+            } else {
+                // Better plans could exist.
+                RecipeChange::NotDecided
+            }
+        }
+        // A search reached its limits.
         _ => RecipeChange::NotDecided,
     }
 }
 
-fn text(document: &Document) -> String {
-    let shown = |steps: Option<u32>| steps.map_or("-".to_owned(), |n| n.to_string());
+fn text(arguments: &Arguments, compared: &[(&Recipe, Makes, Makes)]) -> String {
     let mut rows = vec![[
         "recipe".to_owned(),
-        document.first.clone(),
-        document.second.clone(),
+        arguments.first.clone(),
+        arguments.second.clone(),
         String::new(),
     ]];
-    for recipe in &document.recipes {
+    let objective = Objective::from(arguments.least);
+    for (recipe, first, second) in compared {
         rows.push([
-            recipe.name.clone(),
-            shown(recipe.first),
-            shown(recipe.second),
-            recipe.change.to_string(),
+            recipe.model.name.clone(),
+            first.text(objective),
+            second.text(objective),
+            change(*first, *second).words(arguments.least).to_owned(),
         ]);
     }
     aligned(&rows, &[1, 2])

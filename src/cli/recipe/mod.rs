@@ -2,6 +2,7 @@
 
 mod diff;
 mod documents;
+mod least;
 mod plan;
 mod repair;
 mod run;

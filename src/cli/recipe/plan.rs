@@ -1,6 +1,7 @@
 //! `linewright recipe plan`: how the resources of a layout make a recipe.
 
 use super::documents::add_documents;
+use super::least::Least;
 use super::schedule::{self, ProductsPlan, View};
 use super::{print_result, subject};
 use crate::cli::console::{Failed, count, schema};
@@ -76,31 +77,6 @@ pub struct Arguments {
 pub enum Emit {
     /// Layout, recipe and plan as documents in B2MML 7.0.1
     B2mml,
-}
-
-/// What a plan has least of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, JsonSchema, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Least {
-    /// Steps that resources take together.
-    Steps,
-    /// Time until all is done.
-    Time,
-    /// Electrical energy of all transitions.
-    Energy,
-    /// Transfers of a part from one resource to another.
-    Transfers,
-}
-
-impl From<Least> for Objective {
-    fn from(least: Least) -> Self {
-        match least {
-            Least::Steps => Self::Steps,
-            Least::Time => Self::Time,
-            Least::Energy => Self::Energy,
-            Least::Transfers => Self::Transfers,
-        }
-    }
 }
 
 /// Describes the JSON document that the command prints.

@@ -101,6 +101,23 @@ pub struct Realization {
 }
 
 impl Realization {
+    /// Returns the statement for one product of a recipe on a layout. No file has it, so its place
+    /// is that of the recipe.
+    pub fn of(recipe: &Recipe, layout: &Layout) -> Self {
+        let wanted = WantedRecipe {
+            count: 1,
+            name: recipe.model.name.clone(),
+            declared: recipe.span,
+            span: recipe.span,
+        };
+        Self {
+            recipes: vec![wanted],
+            layout: layout.model.name.clone(),
+            layout_declared: layout.span,
+            span: recipe.span,
+        }
+    }
+
     /// Returns whether one product is to be made.
     pub fn is_single(&self) -> bool {
         matches!(self.recipes.as_slice(), [wanted] if wanted.count == 1)
