@@ -739,7 +739,7 @@ layout Slow {
         s0 -> s1: in:press  s1 -> s2: form in 9 s power 100 W  s2 -> s0: unload in 1 s
         nop s0, s1, s2
     }
-    transport table -> press in 2 s
+    transport cart { table -> press in 2 s }
 }
 layout Fast {
     resource table: Table at s0 { s0 -> s1: load in 1 s  s1 -> s0: out:table  nop s0, s1 }
@@ -747,7 +747,7 @@ layout Fast {
         s0 -> s1: in:press  s1 -> s2: form in 4 s power 900 W  s2 -> s0: unload in 1 s
         nop s0, s1, s2
     }
-    transport table -> press in 2 s
+    transport cart { table -> press in 2 s }
 }
 recipe Cup {
     part c: Cup
