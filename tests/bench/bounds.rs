@@ -168,7 +168,7 @@ mod bounds {
             folder.case("records, 20 levels", &bounded, &deep, (3.0, 200.0, 1)),
             folder.case("records, 24 levels", &bounded, &deeper, (3.0, 200.0, 1)),
             folder.case("10,000 similar names", &bounded, &many, (3.0, 200.0, 0)),
-            folder.case("5,000 misspelt names", &bounded, &misspelt, (3.0, 200.0, 2)),
+            folder.case("5,000 misspelt names", &bounded, &misspelt, (3.0, 200.0, 1)),
             folder.case("200,000 lines, 100 MiB", &small, &long, (3.0, 110.0, 3)),
             folder.case("genbuf200, 50 MiB", &smaller, &genbuf200, (10.0, 60.0, 3)),
             folder.case("arm, C, 200 MiB", &written_small, &sum, (20.0, 220.0, 3)),
