@@ -9,7 +9,6 @@
 
 #[cfg(unix)]
 #[path = "families/mod.rs"]
-#[allow(dead_code, reason = "other benches take other families")]
 mod families;
 #[cfg(unix)]
 #[path = "peers/measure.rs"]

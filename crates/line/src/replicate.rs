@@ -498,7 +498,7 @@ mod tests {
         );
         let (percent, hundred) = share.scaled(100.0).interval().unwrap();
         assert!((percent - low * 100.0).abs() < 1e-9);
-        assert_eq!(hundred, 100.0);
+        assert!((hundred - 100.0).abs() < 1e-12);
         let scrap = Estimate::of(&[0.0, 0.0, 0.1])
             .unwrap()
             .of_measure(Measure::Scrap);

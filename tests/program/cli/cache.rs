@@ -247,13 +247,12 @@ fn a_place_that_cannot_be_written_is_no_matter() {
 fn a_changed_file_of_another_tool_begins_with_the_results_of_its_last_check() {
     let session = Session::new();
     let text = |goals: &str| {
-        let names =
-            |prefix: &str| -> String { (0..30).map(|i| format!("{prefix}{i}\n")).collect() };
-        let copies: String = (0..30).map(|i| format!("! ^ o{i} i{i}\n")).collect();
+        let lines = |line: fn(usize) -> String| (0..30).map(line).collect::<Vec<_>>().join("\n");
         format!(
-            "[INPUT]\n{}[OUTPUT]\n{}[ENV_INIT]\n! i0\n[SYS_TRANS]\n{copies}[SYS_LIVENESS]\n{goals}",
-            names("i"),
-            names("o")
+            "[INPUT]\n{}\n[OUTPUT]\n{}\n[ENV_INIT]\n! i0\n[SYS_TRANS]\n{}\n[SYS_LIVENESS]\n{goals}",
+            lines(|i| format!("i{i}")),
+            lines(|i| format!("o{i}")),
+            lines(|i| format!("! ^ o{i} i{i}"))
         )
     };
     let check = |goals: &str| {
