@@ -356,6 +356,28 @@ fn a_deadlock_is_found_whatever_goes_on() {
     }
 }
 
+/// The station lacks a part that it could only get through a buffer, which is full of parts that
+/// wait for the station.
+#[test]
+fn a_deadlock_is_found_where_the_missing_part_finds_no_room() {
+    for queue in ["", "lifo", "highest p first"] {
+        let body = format!(
+            "part A {{ property p: 0..1 = 0 }} part B {{ property p: 0..1 = 1 }} part W from 1 A, 1 B product W
+             source sa: A every 10 s source sb: B every 25 s
+             buffer mix capacity 3 {queue}
+             station j {{ takes 1 s a W }}
+             sink box sink over rejects
+             route A: sa -> mix, over route B: sb -> mix, over
+             route A: mix -> j route B: mix -> j route W: j -> box"
+        );
+        let trace = run_text(&body, None, Some(7200.0));
+        assert_eq!(trace.end, End::Time);
+        let mut places = deadlock(&trace).expect("a deadlock").0;
+        places.sort_unstable();
+        assert_eq!(places, ["j", "mix"], "{queue}");
+    }
+}
+
 /// Parts that only wait long do not count: for a repair, a shift, the end of a rest, a part that a
 /// station lacks and that is on its way, or a buffer whose parts expire.
 #[test]

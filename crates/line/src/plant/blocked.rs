@@ -315,6 +315,17 @@ impl Run<'_> {
                 next: Some(maker),
             };
         }
+        let mut routes = self.line.routes.iter();
+        let way = routes.find(|route| {
+            let leads_here = route.to == node && route.part == kind;
+            leads_here && prospects.is_some() && self.is_stuck(route.from, prospects)
+        });
+        if let Some(way) = way {
+            return Reason {
+                text: format!("{start}, which would come from {}", self.name(way.from)),
+                next: Some(way.from),
+            };
+        }
         Reason {
             text: format!("{start}, but {}", self.supplies(Some(kind))),
             next: None,
