@@ -174,8 +174,7 @@ impl Task {
         let solved = within("solving the game", || self.play(&hints));
         let mut statistics = Statistics::of_solver(&solved.statistics, specification);
         let large = statistics.large;
-        let is_remembered = large || solved.statistics.is_of_large_kernel();
-        if is_remembered {
+        if large {
             statistics.known_order = hints.order.is_some();
             statistics.known_region = hints.region.is_some();
         }
@@ -198,7 +197,7 @@ impl Task {
         };
         let solved_work = won.as_ref().map_or(0, game::WonGame::work);
         report(known.clone());
-        if let (Some(cache), Some(order), true) = (cache, &last_order, is_remembered) {
+        if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
             let names = &known.statistics.order_after;
             let region = won.as_ref().map(game::WonGame::region);
             cache.store_version(

@@ -1,6 +1,6 @@
 //! Statistics of a solve.
 
-use crate::symbolic::{Kernel, Order, SharedStore};
+use crate::symbolic::Order;
 use linewright_core::gr1::VarId;
 
 /// Time, nodes and iterations that a verdict took.
@@ -36,12 +36,4 @@ pub struct Statistics {
     pub order_after: Vec<VarId>,
     /// Final order of the pairs of bits; `None` before the end.
     pub last_order: Option<Order>,
-}
-
-impl Statistics {
-    /// Returns whether the game was solved by the kernel for large games. Solving it again from
-    /// these results can be faster.
-    pub fn is_of_large_kernel(&self) -> bool {
-        self.kernel == SharedStore::NAME
-    }
 }
