@@ -1,9 +1,10 @@
 //! What the cache is worth while somebody edits: a check of a specification that is not in the
 //! cache, but was before an edit, beside a check without a cache.
 //!
-//! The cache keeps the last variable order of each contract, and its winning region. A check begins
-//! with that order, even if variables were added, and with the region if the edit cannot have made
-//! it larger. Every figure is of a whole process, user and system time, the fastest of three runs.
+//! The cache keeps the last variable order of each large contract, and its winning region. A check
+//! begins with that order, even if variables were added, and with the region if the edit cannot
+//! have made it larger. Every figure is of a whole process, user and system time, the fastest of
+//! three runs.
 //!
 //!     cargo bench --bench edits
 

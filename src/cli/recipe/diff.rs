@@ -155,15 +155,14 @@ impl Makes {
     fn text(self, objective: Objective) -> String {
         match self {
             Self::With {
-                value: v,
-                lower_bound,
-            } if v == lower_bound => value(objective, v),
-            Self::With {
-                value: v,
+                value: found,
                 lower_bound,
             } => {
-                let least = value(objective, lower_bound);
-                format!("{} (at least {least})", value(objective, v))
+                let text = value(objective, found);
+                if found == lower_bound {
+                    return text;
+                }
+                format!("{text} (at least {})", value(objective, lower_bound))
             }
             Self::Not => "-".to_owned(),
             Self::Unknown => "?".to_owned(),
@@ -195,26 +194,33 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             Err(code) => return Ok(code),
         };
     }
-    let mut compared = Vec::new();
+    let heads = [&arguments.first, &arguments.second];
+    let mut rows = vec![["recipe", heads[0], heads[1], ""].map(str::to_owned)];
+    let mut entries = Vec::new();
     for recipe in &loaded.library.recipes {
-        let makes = |layout| makes(&loaded, layout, recipe, aim);
-        compared.push((recipe, makes(&layouts[0]), makes(&layouts[1])));
-    }
-    let entries = compared.iter().map(|(recipe, first, second)| {
-        let change = change(*first, *second);
-        RecipeComparison {
-            name: recipe.model.name.clone(),
+        let name = recipe.model.name.clone();
+        let [first, second] =
+            [&layouts[0], &layouts[1]].map(|layout| makes(&loaded, layout, recipe, aim));
+        let change = change(first, second);
+        rows.push([
+            name.clone(),
+            first.text(aim.objective),
+            second.text(aim.objective),
+            change.words(arguments.least).to_owned(),
+        ]);
+        entries.push(RecipeComparison {
+            name,
             first: first.value(aim.objective),
             second: second.value(aim.objective),
             change,
-        }
-    });
+        });
+    }
     let document = Document {
         schema: schema(DOCUMENT.name),
         least: arguments.least,
         first: arguments.first.clone(),
         second: arguments.second.clone(),
-        recipes: entries.collect(),
+        recipes: entries,
     };
     let has = |change: RecipeChange| document.recipes.iter().any(|e| e.change == change);
     let code = if has(RecipeChange::NotDecided) {
@@ -224,7 +230,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     } else {
         ExitCode::Success
     };
-    print_result(&document, || text(arguments, &compared), options)?;
+    print_result(&document, || aligned(&rows, &[1, 2]), options)?;
     Ok(code)
 }
 
@@ -307,23 +313,4 @@ fn change(first: Makes, second: Makes) -> RecipeChange {
         // A search reached its limits.
         _ => RecipeChange::NotDecided,
     }
-}
-
-fn text(arguments: &Arguments, compared: &[(&Recipe, Makes, Makes)]) -> String {
-    let mut rows = vec![[
-        "recipe".to_owned(),
-        arguments.first.clone(),
-        arguments.second.clone(),
-        String::new(),
-    ]];
-    let objective = Objective::from(arguments.least);
-    for (recipe, first, second) in compared {
-        rows.push([
-            recipe.model.name.clone(),
-            first.text(objective),
-            second.text(objective),
-            change(*first, *second).words(arguments.least).to_owned(),
-        ]);
-    }
-    aligned(&rows, &[1, 2])
 }

@@ -233,23 +233,28 @@ impl Run<'_> {
             return;
         }
         let prospects = self.prospects();
-        let Some(chain) = self.chain(Some(&prospects)).filter(|chain| chain.cycle) else {
-            return;
+        self.report_cycle(&prospects, |since| {
+            format!(
+                "parts of the line can never move again (deadlock since {since}), although the rest goes on"
+            )
+        });
+    }
+
+    /// Reports the parts that wait for one another in a cycle, if there are any. `says` is given
+    /// since when. Returns whether there are.
+    fn report_cycle(&mut self, prospects: &Prospects, says: impl Fn(String) -> String) -> bool {
+        let Some(chain) = self.chain(Some(prospects)).filter(|chain| chain.cycle) else {
+            return false;
         };
-        let deadlock = self.deadlock_of(&chain.nodes, Some(&prospects));
-        let message = format!(
-            "parts of the line can never move again (deadlock since {}), although the rest goes on: {}",
-            crate::trace::clock(deadlock.since),
-            chain.texts.join(", ")
-        );
-        self.journal.findings.push(
-            self.with_places(
-                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message)
-                    .with_help(self.advice(&chain)),
-                &chain.nodes,
-            ),
-        );
+        let deadlock = self.deadlock_of(&chain.nodes, Some(prospects));
+        let says = says(crate::trace::clock(deadlock.since));
+        let message = format!("{says}: {}", chain.texts.join(", "));
+        let finding = Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message);
+        let finding = finding.with_help(self.advice(&chain));
+        let finding = self.with_places(finding, &chain.nodes);
+        self.journal.findings.push(finding);
         self.deadlock = Some(deadlock);
+        true
     }
 
     /// Ends a run that waits for products of which none can be finished any more, because of a
@@ -260,25 +265,15 @@ impl Run<'_> {
         if self.may_finish_some(&prospects) {
             return;
         }
-        let Some(chain) = self.chain(Some(&prospects)).filter(|chain| chain.cycle) else {
-            return;
-        };
-        let deadlock = self.deadlock_of(&chain.nodes, Some(&prospects));
-        let message = format!(
-            "no product can be finished any more{}: parts can never move again (deadlock since {}): {}",
-            self.products_made(),
-            crate::trace::clock(deadlock.since),
-            chain.texts.join(", ")
-        );
-        self.journal.findings.push(
-            self.with_places(
-                Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message)
-                    .with_help(self.advice(&chain)),
-                &chain.nodes,
-            ),
-        );
-        self.deadlock = Some(deadlock);
-        self.end = Some(End::Blocked);
+        let progress = self.products_made();
+        let is_deadlock = self.report_cycle(&prospects, |since| {
+            format!(
+                "no product can be finished any more{progress}: parts can never move again (deadlock since {since})"
+            )
+        });
+        if is_deadlock {
+            self.end = Some(End::Blocked);
+        }
     }
 
     /// The deadlock in which these places wait for one another. It began when the last of their

@@ -129,7 +129,9 @@ impl<'a> Builder<'a, '_> {
             }
             None if !items.iter().any(|i| matches!(i, StationItem::Takes { .. })) => {
                 self.e.findings.error_about(
-codes::OPERATION, name, "has neither a machine nor a time",
+                    codes::OPERATION,
+                    name,
+                    "has neither a machine nor a time",
                     format!(
                         "write how long its work takes, `station {0} {{ takes 2 s }}`, or name its machine, `station {0}: Machine {{ ... }}`",
                         name.text
