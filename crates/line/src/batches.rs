@@ -415,6 +415,7 @@ fn mean_and_lag(measured: &[f64], count: usize) -> (Option<Estimate>, Option<f64
     let mean = Estimate::of(measured);
     if measured.len() < count {
         let mean = mean.map(|mean| Estimate {
+            missing: 0,
             half_width: None,
             ..mean
         });

@@ -130,12 +130,13 @@ pub(super) fn of_runs(line: &Line, traces: &[Trace]) -> Vec<Estimated> {
         return Vec::new();
     }
     let estimate = |subject: Subject, value: &dyn Fn(&Trace) -> Option<f64>| {
-        let counted = traces.iter().filter(|trace| trace.has_counted());
-        let values: Vec<f64> = counted.filter_map(value).collect();
-        let measure = subject.measure();
+        let values = traces.iter().map(|trace| {
+            let counted = Some(trace).filter(|trace| trace.has_counted());
+            counted.and_then(value)
+        });
         Estimated {
+            value: Estimate::over_runs(subject.measure(), values),
             subject,
-            value: Estimate::of(&values).map(|value| value.of_measure(measure)),
             lag_1: None,
         }
     };

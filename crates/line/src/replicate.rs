@@ -50,6 +50,8 @@ pub struct Estimate {
     pub half_width: Option<f64>,
     /// The least and the greatest value that can be; infinite without bounds.
     pub range: (f64, f64),
+    /// Number of runs in which nothing could be measured. They are no part of the mean.
+    pub missing: usize,
 }
 
 impl Estimate {
@@ -70,6 +72,7 @@ impl Estimate {
                 mean: *first,
                 half_width: Some(0.0),
                 range,
+                missing: 0,
             });
         }
         let count = values.len() as f64;
@@ -83,6 +86,21 @@ impl Estimate {
             mean,
             half_width,
             range,
+            missing: 0,
+        })
+    }
+
+    /// Estimates the mean of a measure over runs, of which some may have no value; `None` if none
+    /// has one.
+    pub fn over_runs(
+        measure: Measure,
+        values: impl IntoIterator<Item = Option<f64>>,
+    ) -> Option<Self> {
+        let values: Vec<Option<f64>> = values.into_iter().collect();
+        let measured: Vec<f64> = values.iter().copied().flatten().collect();
+        Some(Self {
+            missing: values.len() - measured.len(),
+            ..Self::of(&measured)?.of_measure(measure)
         })
     }
 
@@ -115,6 +133,7 @@ impl Estimate {
             mean: self.mean * scale,
             half_width: self.half_width.map(|half| half * scale),
             range: (self.range.0 * scale, self.range.1 * scale),
+            ..self
         }
     }
 
@@ -374,11 +393,8 @@ impl Replications {
     pub fn of(line: &Line, traces: &[Trace]) -> Self {
         let estimate = |measure: Measure| {
             let metric = measure.into();
-            let measured = traces
-                .iter()
-                .filter_map(|trace| metric::measure(&metric, trace));
-            let value = Estimate::of(&measured.collect::<Vec<_>>());
-            value.map(|value| value.of_measure(measure))
+            let values = traces.iter().map(|trace| metric::measure(&metric, trace));
+            Estimate::over_runs(measure, values)
         };
         let requirements = requirement::over(line, Sample::Runs(traces));
         let mut findings = in_any(traces);

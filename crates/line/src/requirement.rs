@@ -23,8 +23,8 @@ pub enum Verdict {
     /// The bound lies in the interval.
     Undecided {
         /// Estimated number of further runs, or batches of the same length, after which the
-        /// interval no longer contains the bound; `None` if the mean is the bound, or if more than
-        /// [`MAX_REPLICATIONS`] runs are needed.
+        /// interval no longer contains the bound; `None` if the mean is the bound or has to be
+        /// exactly the bound, or if more than [`MAX_REPLICATIONS`] runs are needed.
         more: Option<u64>,
     },
 }
@@ -40,14 +40,23 @@ impl Verdict {
     }
 }
 
+/// Relative difference up to which a value counts as equal to a bound, and absolute difference for
+/// bounds below 1. Measured values are sums and differences of instants, each rounded to 53 bits.
+const ROUNDING: f64 = 1e-9;
+
+/// Whether a value is the bound, up to rounding.
+fn is_at(value: f64, bound: f64) -> bool {
+    (value - bound).abs() <= ROUNDING * bound.abs().max(1.0)
+}
+
 fn meets(value: f64, comparison: Comparison, bound: f64) -> bool {
-    #[expect(clippy::float_cmp, reason = "the language's own equality")]
+    let is_at_bound = is_at(value, bound);
     match comparison {
-        Comparison::Lt => value < bound,
-        Comparison::Le => value <= bound,
-        Comparison::Eq => value == bound,
-        Comparison::Ge => value >= bound,
-        Comparison::Gt => value > bound,
+        Comparison::Lt => value < bound && !is_at_bound,
+        Comparison::Le => value < bound || is_at_bound,
+        Comparison::Eq => is_at_bound,
+        Comparison::Ge => value > bound || is_at_bound,
+        Comparison::Gt => value > bound && !is_at_bound,
     }
 }
 
@@ -279,9 +288,8 @@ fn in_one_run(requirement: &Requirement, values: &[Option<f64>]) -> Option<Verdi
     }
     let unit = requirement.metric.measure.info().unit;
     let is_end = bound == 0.0 || unit.greatest() == Some(bound);
-    #[expect(clippy::float_cmp, reason = "the ends of the range are exact")]
     let inside = measured()
-        .find(|value| *value != bound)
+        .find(|value| !is_at(*value, bound))
         .filter(|_| is_end)?;
     verdict(meets(inside, comparison, bound))
 }
@@ -292,9 +300,10 @@ fn by_interval(requirement: &Requirement, value: Estimate, runs: u64) -> Verdict
     let half = value.half_width.unwrap_or(0.0);
     let (low, high) = (value.mean - half, value.mean + half);
     let meets = |value: f64| meets(value, comparison, bound);
-    if comparison == Comparison::Eq && low <= bound && bound <= high && half > 0.0 {
-        let more = value.further_runs(runs, bound);
-        return Verdict::Undecided { more };
+    let varies = !is_at(low, high);
+    if comparison == Comparison::Eq && low <= bound && bound <= high && varies {
+        // A mean that varies is never exactly a number.
+        return Verdict::Undecided { more: None };
     }
     match (meets(low), meets(high)) {
         (true, true) => Verdict::Holds,
@@ -420,7 +429,12 @@ fn undecided(
             "A mean that varies is never exactly a number: use `<=` or `>=`.".to_owned()
         }
         (Sample::Runs(_), Some(more)) => format!(
-            "About {more} more replications would decide it: `--replications {}`. Longer runs help, too.",
+            "About {more} more {} would decide it: `--replications {}`. Longer runs help, too.",
+            if more == 1 {
+                "replication"
+            } else {
+                "replications"
+            },
             result.runs as u64 + more
         ),
         (Sample::Runs(_), None) => format!(

@@ -170,10 +170,14 @@ fn energy_row(
     estimate: Option<Estimate>,
     places: usize,
 ) -> Vec<String> {
-    let (label, scale) = match estimate {
+    let (mut label, scale) = match estimate {
         Some(estimate) => shown_in(measure, label, estimate.mean),
         None => (label, 1.0),
     };
+    if let Some(missing) = estimate.as_ref().and_then(without_value) {
+        label.push_str(", ");
+        label.push_str(&missing);
+    }
     let estimate = estimate.map(|estimate| estimate.scaled(scale));
     let [mean, low, high] = interval(estimate, places);
     vec![label, mean, low, high]
@@ -188,6 +192,15 @@ pub(super) fn shown_in(measure: Measure, label: String, value: f64) -> (String, 
     let unit = EnergyUnit::of(value * JOULES_PER_KWH);
     let label = label.replace("in kWh", &format!("in {}", unit.symbol()));
     (label, JOULES_PER_KWH / unit.joules())
+}
+
+/// `without 2 runs` if nothing could be measured in them, so that they are no part of the mean.
+pub(super) fn without_value(estimate: &Estimate) -> Option<String> {
+    match estimate.missing {
+        0 => None,
+        1 => Some("without 1 run".to_owned()),
+        missing => Some(format!("without {missing} runs")),
+    }
 }
 
 /// Returns a mean and the ends of its confidence interval; `-` for each that does not exist.

@@ -429,6 +429,9 @@ fn measures(line: &Line, measures: &[Estimated]) -> Value {
             "high": high(of.value, places),
             "lag_1": of.lag_1.map(|lag_1| round(lag_1, 6)),
         });
+        if let Some(Estimate { missing: 1.., .. }) = of.value {
+            row["missing"] = json!(of.value.map(|value| value.missing));
+        }
         match &of.subject {
             Subject::Metric(metric) => {
                 row["name"] = json!(metric.name());
@@ -468,12 +471,16 @@ fn over_time(of: &OverTime) -> Value {
 
 /// Returns an estimate with its confidence interval; `None` if nothing was measured.
 pub(super) fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
-    let mean = estimate?.mean;
-    Some(json!({
+    let Estimate { mean, missing, .. } = estimate?;
+    let mut value = json!({
         "mean": round(mean, places),
         "low": low(estimate, places),
         "high": high(estimate, places),
-    }))
+    });
+    if missing > 0 {
+        value["missing"] = json!(missing);
+    }
+    Some(value)
 }
 
 /// Returns the lower end of a confidence interval; `None` if there is none.

@@ -18,7 +18,7 @@ use crate::engine::judgement;
 use crate::engine::lines;
 use crate::engine::machine::{self, MachineContext, MachineProof, StateCount};
 use crate::engine::machines::{self, MachinePlan};
-use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
+use crate::engine::pipeline::{CheckedContract, Examination, Jobs, Verdict};
 use crate::engine::prover::Prover;
 use crate::gr1::{Specification, VarId};
 use crate::interchange::Format;
@@ -315,7 +315,9 @@ impl Assembly<'_> {
             kernel: result
                 .map(|r| r.statistics.kernel.clone())
                 .unwrap_or_default(),
-            verdict_only: result.is_some_and(|r| r.verdict_only),
+            examination: result
+                .map(|r| r.examination)
+                .filter(|examination| *examination != Examination::Complete),
         }
     }
 
@@ -537,7 +539,7 @@ fn invalid_file(file: &str) -> ContractEntry {
         peak_nodes: None,
         statistics: None,
         kernel: String::new(),
-        verdict_only: false,
+        examination: None,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::diagnostics::json;
 use crate::engine::findings::lost::Suggestion;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::{ClosedEntry, RefinesEntry};
-use crate::engine::pipeline::Verdict;
+use crate::engine::pipeline::{Examination, Verdict};
 use crate::engine::statistics::Statistics;
 use crate::engine::words::DischargeEntry;
 use crate::line::calls::{Premise, Range, WorkTime};
@@ -110,9 +110,9 @@ pub(super) struct ContractEntry {
     /// Name of the kernel, for the table; in JSON, it is in the statistics.
     #[serde(skip)]
     pub(super) kernel: String,
-    /// Whether only the verdict was decided because the game is large.
-    #[serde(skip)]
-    pub(super) verdict_only: bool,
+    /// How much of it was examined, if this is less than was asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) examination: Option<Examination>,
 }
 
 /// A play that the plant wins.

@@ -12,7 +12,7 @@ use crate::diagnostics::codes;
 use crate::diagnostics::json::Finding;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::{ClosedVerdict, RefinementVerdict};
-use crate::engine::pipeline::{CheckedContract, Verdict};
+use crate::engine::pipeline::{CheckedContract, Examination, Verdict};
 use crate::engine::words::{ALWAYS_HOLDS, DischargeEntry, DischargeRuleName};
 use crate::gr1::{Formula, Specification};
 use crate::line::picture as line_picture;
@@ -324,8 +324,14 @@ fn verdict_on_contract(
         @if let Some(states) = entry.states {
             p { "A controller with " (count(states, "state")) ", not counting the start before step 0, keeps all guarantees as long as the plant keeps the assumptions; it was verified." }
         }
-        @if entry.verdict_only {
-            p { "Only the verdict was computed, because the contract is large." }
+        @match entry.examination {
+            Some(Examination::VerdictOnly) => {
+                p { "Only the verdict was computed, because the contract is large." }
+            }
+            Some(Examination::Partial) => {
+                p { "It was not examined completely within the work limit, so findings can be missing." }
+            }
+            Some(Examination::Complete) | None => {}
         }
         @if !entry.core.is_empty() {
             h4 { "Guarantees that clash" }

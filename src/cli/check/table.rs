@@ -5,7 +5,7 @@ use crate::cli::console::count;
 use crate::diagnostics::json::Finding;
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::RefinementVerdict;
-use crate::engine::pipeline::Verdict;
+use crate::engine::pipeline::{Examination, Verdict};
 use crate::engine::words::{DischargeEntry, DischargeRuleName};
 use crate::line::trace::duration;
 use crate::taxonomy;
@@ -232,7 +232,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     text.push_str(&premises(document));
     text.push_str(&summary(document));
     if verbose {
-        text.push_str(&verdicts_only(document));
+        text.push_str(&not_examined(document));
         text.push_str(&discharges(document));
         text.push_str(&work(document));
     }
@@ -359,14 +359,19 @@ fn interface(inputs: Option<u32>, outputs: Option<u32>) -> String {
     }
 }
 
-/// Lists the contracts that are too large for more than a verdict.
-fn verdicts_only(document: &Document) -> String {
-    let large = document.contracts.iter().filter(|c| c.verdict_only);
-    let lines = large.map(|c| {
-        format!(
-            "{}: verdict only; the contract is large, so its controller was not extracted and its assumptions were not examined\n",
-            c.name
-        )
+/// Lists the contracts that were not examined completely.
+fn not_examined(document: &Document) -> String {
+    let lines = document.contracts.iter().filter_map(|contract| {
+        let name = &contract.name;
+        match contract.examination? {
+            Examination::VerdictOnly => Some(format!(
+                "{name}: verdict only; the contract is large, so its controller was not extracted and its assumptions were not examined\n"
+            )),
+            Examination::Partial => Some(format!(
+                "{name}: not examined completely within the work limit, so findings can be missing; raise the limit with --effort FACTOR\n"
+            )),
+            Examination::Complete => None,
+        }
     });
     lines.collect()
 }
@@ -490,7 +495,14 @@ fn summary(document: &Document) -> String {
     if !verdicts.is_empty() {
         verdicts.insert_str(0, ": ");
     }
-    let mut text = format!("{contracts}{verdicts}; {}.\n", count(s.findings, "finding"));
+    let in_part = document.contracts.iter();
+    let in_part = in_part.filter(|contract| contract.examination.is_some());
+    let in_part = match in_part.count() {
+        0 => String::new(),
+        n => format!("; {n} not examined completely"),
+    };
+    let findings = count(s.findings, "finding");
+    let mut text = format!("{contracts}{verdicts}; {findings}{in_part}.\n");
     if s.realizable + s.unrealizable > 0 {
         let _ = writeln!(
             text,

@@ -2,7 +2,7 @@
 
 use super::examples::load;
 use linewright::game::Limits;
-use linewright::line::abstraction::{Abstraction, decide, findings};
+use linewright::line::abstraction::{Abstraction, decide, findings, with_losses};
 
 /// A station joins two P and one Q, which reach it through one buffer. Returns the advice; `None`
 /// if the line is proved.
@@ -51,6 +51,7 @@ fn advice_on(text: &str) -> Option<String> {
     let file = folder.path().join("line.lw");
     std::fs::write(&file, text).expect("a file");
     let line = load(&file.display().to_string());
+    let line = with_losses(&line);
     let abstraction = Abstraction::of(&line).expect("an abstraction");
     let verdict = decide(&abstraction, &Limits::default()).expect("no limit");
     let found = findings(&line, &abstraction, &verdict);
@@ -75,6 +76,31 @@ fn the_parts_that_fill_a_circle_are_limited() {
         "{help}"
     );
     assert!(!help.contains("source q"), "{help}");
+}
+
+/// Parts that wait in a circle are not there for ever if one of its buffers lets them expire.
+#[test]
+fn a_circle_in_which_parts_expire_is_no_deadlock() {
+    let text = |shelf_life: &str| {
+        format!(
+            "line Round {{
+    part P {{ property rounds: 0..2 = 0 }}
+    product P
+    source a: P every 1 s
+    buffer q capacity 2 {shelf_life}
+    station x {{ takes 2 s sets rounds = min(rounds + 1, 2) }}
+    sink k
+    route P: a -> x
+    route P: x -> q when rounds < 2
+    route P: x -> k otherwise
+    route P: q -> x
+    limit 9 products
+}}
+"
+        )
+    };
+    assert!(advice_on(&text("")).is_some());
+    assert_eq!(advice_on(&text("shelf life 1 min")), None);
 }
 
 /// A station that passes parts to itself blocks with a single one, so no limit helps.

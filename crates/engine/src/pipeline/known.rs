@@ -1,7 +1,7 @@
 //! Intermediate results of a contract, and their conversion to findings.
 
 use super::Explanation;
-use super::{CheckedContract, Goal, Job, Verdict};
+use super::{CheckedContract, Examination, Goal, Job, Verdict};
 use crate::cache::ExaminationDepth;
 use crate::controller::Controller;
 use crate::findings::{environment, lost, shape};
@@ -78,6 +78,23 @@ impl Analysis {
         job.goal >= Goal::Verdict && !is_vacuous
     }
 
+    /// How much of the contract was examined. Where a limit of the command ended the examination,
+    /// a finding says so.
+    fn examination(&self, job: &Job) -> Examination {
+        let is_missing =
+            self.environment.is_none() || self.reports_shape(job) && self.shape.is_none();
+        if self.realizable && job.goal == Goal::Small && self.statistics.large {
+            Examination::VerdictOnly
+        } else if self.examined == ExaminationDepth::Whole
+            && self.examination_limit.is_none()
+            && is_missing
+        {
+            Examination::Partial
+        } else {
+            Examination::Complete
+        }
+    }
+
     /// Names of the core's guarantees, except definitions, each once.
     pub(super) fn core_names(&self, specification: &Specification) -> Vec<String> {
         let mut names = Vec::new();
@@ -97,10 +114,9 @@ impl Analysis {
         let mut findings = Vec::new();
         let mut core = Vec::new();
         let mut controller = None;
-        let mut verdict_only = false;
+        let examination = self.examination(job);
         let reports_shape = self.reports_shape(job);
         if self.realizable {
-            verdict_only = job.goal == Goal::Small && self.statistics.large;
             match self.controller {
                 Controller::NotRequested => {}
                 Controller::Stopped(limit) => {
@@ -152,7 +168,7 @@ impl Analysis {
             seconds: 0.0,
             peak_nodes: Some(self.peak_nodes),
             statistics: self.statistics,
-            verdict_only,
+            examination,
         }
     }
 }

@@ -100,8 +100,21 @@ pub struct CheckedContract {
     pub peak_nodes: Option<u64>,
     /// Statistics of the solver.
     pub statistics: Statistics,
-    /// Whether only the verdict was decided because the game is too large for the goal.
-    pub verdict_only: bool,
+    /// How much of it was examined.
+    pub examination: Examination,
+}
+
+/// How much of a realizable contract was examined beyond its verdict, compared with what was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Examination {
+    /// As much as was asked.
+    Complete,
+    /// Findings about its assumptions or its formulas can be missing: the search for them used up
+    /// its work budget.
+    Partial,
+    /// Nothing, because the game is too large for the goal.
+    VerdictOnly,
 }
 
 /// An internal error: the verifier rejected a controller.
@@ -385,7 +398,7 @@ impl CheckedContract {
             seconds: 0.0,
             peak_nodes: statistics.peak_nodes.filter(|n| *n > 0),
             statistics,
-            verdict_only: false,
+            examination: Examination::Complete,
         }
     }
 

@@ -118,7 +118,6 @@ impl Run<'_> {
     /// a sink. Of the sources from which rejecting sinks reorder, this is the first that makes
     /// the part or something in it; if there is none, the first of all.
     pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
-        let types = self.line.parts.len();
         let sources = || {
             self.line.nodes.iter().filter_map(|node| match node.kind {
                 NodeKind::Sink {
@@ -130,7 +129,7 @@ impl Run<'_> {
         };
         sources()
             .find(|&source| match self.line.nodes[source].kind {
-                NodeKind::Source { part, .. } => self.setup.contents[kind * types + part] > 0,
+                NodeKind::Source { part, .. } => self.setup.contains(kind, part),
                 _ => false,
             })
             .or_else(|| sources().next())

@@ -167,6 +167,9 @@ impl Run<'_> {
                  out of it.",
                 self.name(node)
             ),
+            (true, None) if chain.nodes.iter().any(|&node| self.limit_reached(node).is_some()) => {
+                "Allow more parts in the line, or let those in it go on without further ones.".to_owned()
+            }
             (true, None) => {
                 "Let fewer parts into the line than fill the cycle, or add another route out of it.".to_owned()
             }
@@ -184,9 +187,8 @@ impl Run<'_> {
     pub(super) fn chain(&self, prospects: Option<&Prospects>) -> Option<Chain> {
         let waiting = (0..self.nodes.len()).filter(|&node| self.is_stuck(node, prospects));
         let begun = (0..self.nodes.len()).filter(|&node| match &self.nodes[node].place {
-            _ if prospects.is_some() => false,
-            Place::Station(station) => station.components().next().is_some(),
-            Place::Belt(belt) => !belt.held.is_empty(),
+            Place::Station(_) => self.has_components(node),
+            Place::Belt(belt) => prospects.is_none() && !belt.held.is_empty(),
             _ => false,
         });
         let mut open = None;
@@ -198,6 +200,14 @@ impl Run<'_> {
             open = open.or((!chain.texts.is_empty()).then_some(chain));
         }
         open
+    }
+
+    /// Whether components wait in a node to be joined.
+    pub(super) fn has_components(&self, node: usize) -> bool {
+        match &self.nodes[node].place {
+            Place::Station(station) => station.components().next().is_some(),
+            _ => false,
+        }
     }
 
     fn follow(&self, start: usize, prospects: Option<&Prospects>) -> Chain {
@@ -279,6 +289,19 @@ impl Run<'_> {
                 let missing = station.missing().into_iter().find(never_comes);
                 missing.map(|kind| self.lack(node, kind, prospects))
             }
+            (None, Place::Source(_)) => {
+                let (kind, most) = self.stopped_by_limit(node, prospects)?;
+                let keeps = |node: &usize| self.has(*node, |part| self.setup.contains(part, kind));
+                let keepers = || (0..self.nodes.len()).filter(keeps);
+                let stuck = keepers().find(|keeper| self.is_stuck(*keeper, prospects));
+                Some(Reason {
+                    text: format!(
+                        "{name} makes no part while {} in the line",
+                        self.there_are(most, kind)
+                    ),
+                    next: stuck.or_else(|| keepers().next()),
+                })
+            }
             _ => None,
         }
     }
@@ -326,6 +349,18 @@ impl Run<'_> {
                 next: Some(way.from),
             };
         }
+        let mut routes = self.line.routes.iter();
+        let is_served = routes.any(|route| (route.to, route.part) == (node, kind));
+        let limited = others().find(|&other| {
+            let limit = self.stopped_by_limit(other, prospects);
+            is_served && limit.is_some_and(|(part, _)| part == kind)
+        });
+        if let Some(source) = limited {
+            return Reason {
+                text: format!("{start}, which {} makes", self.name(source)),
+                next: Some(source),
+            };
+        }
         Reason {
             text: format!("{start}, but {}", self.supplies(Some(kind))),
             next: None,
@@ -334,7 +369,12 @@ impl Run<'_> {
 
     /// Whether a part of this type is at a node.
     fn holds(&self, node: usize, kind: usize) -> bool {
-        let is = |part: PartIndex| self.parts[part].kind == kind;
+        self.has(node, |other| other == kind)
+    }
+
+    /// Whether a part of such a type is at a node.
+    fn has(&self, node: usize, is: impl Fn(usize) -> bool) -> bool {
+        let is = |part: PartIndex| is(self.parts[part].kind);
         self.outlets_of(node)
             .filter_map(|outlet| self.outlet(outlet).part)
             .any(is)
@@ -361,7 +401,7 @@ impl Run<'_> {
 
     /// The part type of a source and its `at most N in the line`, if this limit prevents the source
     /// from making a part.
-    fn limit_reached(&self, node: usize) -> Option<(usize, u32)> {
+    pub(super) fn limit_reached(&self, node: usize) -> Option<(usize, u32)> {
         match (&self.line.nodes[node].kind, &self.nodes[node].place) {
             (
                 NodeKind::Source {
@@ -377,13 +417,26 @@ impl Run<'_> {
         }
     }
 
+    /// The same if the limit prevents this for ever.
+    fn stopped_by_limit(&self, node: usize, prospects: Option<&Prospects>) -> Option<(usize, u32)> {
+        let limit = self.limit_reached(node);
+        limit.filter(|(part, _)| prospects.is_none_or(|prospects| !self.may_end(*part, prospects)))
+    }
+
+    /// `3 Raw are`, or `1 Raw is`.
+    fn there_are(&self, count: u32, kind: usize) -> String {
+        let are = if count == 1 { "is" } else { "are" };
+        format!("{count} {} {are}", self.type_name(kind))
+    }
+
     /// Describes the sources that make no part because of their `at most N in the line`.
     fn paused_sources(&self) -> Vec<String> {
         let paused = (0..self.nodes.len()).filter_map(|node| {
             let (part, most) = self.limit_reached(node)?;
-            let (name, part) = (self.name(node), self.type_name(part));
             Some(format!(
-                "{name} makes no part while {most} {part} are in the line or held by a source"
+                "{} makes no part while {} in the line or held by a source",
+                self.name(node),
+                self.there_are(most, part)
             ))
         });
         paused.collect()
@@ -409,8 +462,8 @@ impl Run<'_> {
                         }
                         _ => match self.limit_reached(node) {
                             Some((_, most)) => format!(
-                                "{name} makes no part while {most} {} are in the line",
-                                self.type_name(*part)
+                                "{name} makes no part while {} in the line",
+                                self.there_are(most, *part)
                             ),
                             None => format!("{name} makes more, but no route brings them here"),
                         },

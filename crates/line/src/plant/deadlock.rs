@@ -163,7 +163,8 @@ impl Run<'_> {
                 makes
                     && match waiting {
                         Some(_) => prospects.leaves[node],
-                        None => !source.exhausted() || self.line.is_reordered_from(node),
+                        None if source.exhausted() => self.may_be_reordered(node, prospects),
+                        None => self.limit_reached(node).is_none() || self.may_end(kind, prospects),
                     }
             }
             Place::Sink => false,
@@ -191,6 +192,46 @@ impl Run<'_> {
             Place::Conveyor(_) | Place::Belt(_) => {
                 self.gets_free(node, prospects) && prospects.has_some(node, kind)
             }
+        }
+    }
+
+    /// Whether a part that is of this type, or contains one, may leave the line some day.
+    pub(super) fn may_end(&self, kind: usize, prospects: &Prospects) -> bool {
+        let containing = |whole: &usize| self.setup.contains(*whole, kind);
+        let mut wholes = (0..prospects.types).filter(containing);
+        wholes.any(|whole| {
+            let mut nodes = 0..self.nodes.len();
+            nodes.any(|node| match self.nodes[node].place {
+                Place::Sink => prospects.arrives(node, whole),
+                Place::Store(_) => {
+                    self.setup.ways.from(node, whole).is_empty() && prospects.arrives(node, whole)
+                }
+                _ => self.may_discard(node, whole, prospects),
+            })
+        })
+    }
+
+    /// Whether more parts may be ordered from a source some day, to replace others.
+    fn may_be_reordered(&self, source: usize, prospects: &Prospects) -> bool {
+        self.line.is_reordered_from(source)
+            && (0..self.nodes.len()).any(|node| {
+                let mut kinds = 0..prospects.types;
+                match self.line.nodes[node].kind {
+                    NodeKind::Sink { reorder, .. } => {
+                        reorder == Some(source) && kinds.any(|kind| prospects.arrives(node, kind))
+                    }
+                    _ => kinds.any(|kind| self.may_discard(node, kind, prospects)),
+                }
+            })
+    }
+
+    /// Whether a node that is no sink may remove a part of this type from the line some day: a
+    /// station that works on it, or a buffer in which it expires.
+    fn may_discard(&self, node: usize, kind: usize, prospects: &Prospects) -> bool {
+        match &self.nodes[node].place {
+            Place::Station(_) => self.may_depart(node, kind, prospects),
+            Place::Buffer(buffer) => buffer.has_shelf_life() && prospects.has_some(node, kind),
+            _ => false,
         }
     }
 
@@ -229,7 +270,8 @@ impl Run<'_> {
             End::NoProgress => !self.progress.is_stuck_at_instant(),
             End::Blocked | End::PartLost | End::GaveUp => false,
         };
-        if !may_be_there || !(0..self.nodes.len()).any(|node| self.is_stuck(node, None)) {
+        let waits = |node| self.is_stuck(node, None) || self.has_components(node);
+        if !may_be_there || !(0..self.nodes.len()).any(waits) {
             return;
         }
         let prospects = self.prospects();
@@ -282,12 +324,19 @@ impl Run<'_> {
         let outlets = places.iter().flat_map(|node| self.outlets_of(*node));
         let stuck = outlets.filter(|outlet| self.is_stuck_at(*outlet, prospects));
         let parts = stuck.filter_map(|outlet| self.outlet(outlet).part);
+        let components = places
+            .iter()
+            .flat_map(|node| match &self.nodes[*node].place {
+                Place::Station(station) => station.components().collect(),
+                _ => Vec::new(),
+            });
         Deadlock {
             places: places
                 .iter()
                 .map(|node| self.name(*node).to_owned())
                 .collect(),
             since: parts
+                .chain(components)
                 .map(|part| self.parts[part].waits_since)
                 .fold(0.0, f64::max),
         }

@@ -610,6 +610,11 @@ impl Setup {
         first..outlets.partition_point(|(other, _)| *other <= store)
     }
 
+    /// Whether a part of type `a` is of type `b`, or contains such a part.
+    fn contains(&self, a: usize, b: usize) -> bool {
+        self.contents[a * self.line.parts.len() + b] > 0
+    }
+
     /// Number of parts of type `b` in one part of type `a`, but at least 1.
     fn content(&self, a: usize, b: usize) -> u64 {
         self.contents[a * self.line.parts.len() + b].max(1)

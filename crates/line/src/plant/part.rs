@@ -27,7 +27,8 @@ pub(super) struct Part {
     /// those of them on which one had worked twice.
     pub worked_inside: u64,
     pub reworked_inside: u64,
-    /// Time at which it began to wait at the outlet of its place; until then without a meaning.
+    /// Time at which it began to wait at the outlet of its place, or in a station for other
+    /// components; until then without a meaning.
     pub waits_since: f64,
     /// The station, source or store that it has left last.
     pub came_from: Option<u32>,

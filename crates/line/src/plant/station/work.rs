@@ -51,6 +51,7 @@ impl Run<'_> {
     /// of its type or, if there is none, begins.
     #[inline(never)]
     fn joining_arrival(&mut self, node: usize, part: PartIndex, kind: usize) {
+        self.parts[part].waits_since = self.now;
         let station = self.station(node);
         let Some((task, line)) = station.component_place(kind) else {
             if let Some(task) = station.plain[kind] {

@@ -6,7 +6,7 @@ use super::operation::{OF_SHARES, shares};
 use super::{first, legend};
 use crate::html::numbers::{figure, rounded};
 use crate::html::parts::{behind, section, table};
-use crate::intervals::shown_in;
+use crate::intervals::{shown_in, without_value};
 use crate::{Intervals, Variant};
 use linewright_language::contract::metric::Measure;
 use linewright_line::comparison::{COMPARED, Comparison};
@@ -18,8 +18,7 @@ use maud::{Markup, html};
 /// The estimate of a measure over replications or batches.
 pub(super) fn estimate(page: &Page<'_>, measure: Measure) -> Option<Estimate> {
     match page.intervals? {
-        Intervals::Replications(_) => Estimate::of(&of_runs(measure, page.traces))
-            .map(|estimate| estimate.of_measure(measure)),
+        Intervals::Replications(_) => Estimate::over_runs(measure, of_runs(measure, page.traces)),
         Intervals::Batches(batches) => {
             let mut estimates = batches.estimates.iter();
             estimates.find(|e| e.measure == measure)?.value
@@ -45,10 +44,15 @@ fn interval_with(estimate: Option<Estimate>, show: impl Fn(f64, f64) -> String) 
     };
     let half = estimate.half_width.unwrap_or(0.0);
     let mean = show(estimate.mean, half);
-    match estimate.interval() {
+    let mut text = match estimate.interval() {
         Some((low, high)) => format!("{mean} ({} to {})", show(low, half), show(high, half)),
         None => mean,
+    };
+    if let Some(missing) = without_value(&estimate) {
+        text.push_str(", ");
+        text.push_str(&missing);
     }
+    text
 }
 
 /// The name of a measure; that of a time in seconds without its unit, which its values have.
@@ -131,7 +135,7 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
                     Vec::new()
                 } else {
                     let values = of_runs(*measure, page.traces);
-                    values.into_iter().map(of_mean).collect()
+                    values.flatten().map(of_mean).collect()
                 },
                 text: interval_with(Some(estimate), |value, half| {
                     value_of(*measure, value, half)
@@ -144,9 +148,8 @@ pub(super) fn replications(page: &Page<'_>) -> Markup {
         .iter()
         .map(|trace| {
             let cells = shown.clone().map(|measure| {
-                of_runs(*measure, std::slice::from_ref(trace))
-                    .first()
-                    .map_or("-".to_owned(), |value| value_of(*measure, *value, 0.0))
+                let value = metric::measure(&(*measure).into(), trace);
+                value.map_or("-".to_owned(), |value| value_of(*measure, value, 0.0))
             });
             std::iter::once(trace.seed.to_string())
                 .chain(cells)
@@ -204,12 +207,11 @@ fn all_measures(page: &Page<'_>, intervals: Intervals<'_>) -> Markup {
 }
 
 /// Values of a measure in runs that have one.
-fn of_runs(measure: Measure, traces: &[Trace]) -> Vec<f64> {
+fn of_runs(measure: Measure, traces: &[Trace]) -> impl Iterator<Item = Option<f64>> {
     let metric = measure.into();
     traces
         .iter()
-        .filter_map(|trace| metric::measure(&metric, trace))
-        .collect()
+        .map(move |trace| metric::measure(&metric, trace))
 }
 
 pub(super) fn comparison(page: &Page<'_>) -> Markup {
