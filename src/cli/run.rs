@@ -33,7 +33,7 @@ use progress::RunProgress;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trace_files::{TraceFile, TraceFiles};
-use what_if::{Changes, DEFAULT_PAIRS, Refused};
+use what_if::{Changes, DEFAULT_PAIRS};
 
 /// The end of the help.
 const EXAMPLES: &str = "Examples:
@@ -204,6 +204,8 @@ struct Simulated {
     /// What a report shows of the first run, and its file, if one is wanted.
     recorder: Option<Recorder>,
     page_file: Option<PageFile>,
+    /// What differs in the variants of the line, if it is run as it is.
+    variants: Vec<Changes>,
 }
 
 /// A variant, its runs, and how they differ from those of the line.
@@ -233,19 +235,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let mut code = options.exit_code(&base.findings);
-    let variants = Changes::variants(&arguments.what_if, &arguments.set, &base.line);
     let mut compared: Vec<Compared> = Vec::new();
-    let mut variants = match variants {
-        Ok(variants) => variants,
-        Err(Refused::Usage(message)) => return Err(anyhow::Error::msg(message)),
-        Err(Refused::Repeated(settings)) => {
-            let (first, second) = *settings;
-            let mut sources = base.loaded.library.sources;
-            let finding = [second.repeats(&first, &mut sources)];
-            console.failed("run", &sources, &finding)?;
-            return Ok(options.exit_code(&finding));
-        }
-    };
+    let mut variants = std::mem::take(&mut base.variants);
     if arguments.report.is_some() && !variants.is_empty() {
         let numbers = arguments.selection.settable(&base.line.name, options);
         let set = settings_by_name(&arguments.set);
@@ -430,6 +421,20 @@ fn simulate(
         return Ok(Err(ExitCode::CannotRun));
     }
 
+    let what_if = if is_observed {
+        &arguments.what_if[..]
+    } else {
+        &[]
+    };
+    let mut with_options = sources.clone();
+    let variants = match Changes::variants(what_if, set, line, &mut with_options) {
+        Ok(variants) => variants,
+        Err(found) => {
+            console.failed("run", &with_options, &found)?;
+            return Ok(Err(options.exit_code(&found)));
+        }
+    };
+
     let traces: &[TraceFile] = if is_observed { &arguments.trace } else { &[] };
     let report = arguments.report.as_deref().filter(|_| is_observed);
     let (files, page_file) = match (
@@ -505,6 +510,7 @@ fn simulate(
                 findings,
                 recorder,
                 page_file,
+                variants,
             }))
         }
         Err(found) => {

@@ -25,6 +25,7 @@
 //! value `v` of a batch with weight `w` counts as `r + w (v - r) / w'`, where `r` is the weighted
 //! mean and `w'` the mean weight. Only percentiles are means of the batches, not those of the run.
 
+use super::bottleneck::Bottleneck;
 use super::estimates::{self, Estimated};
 use super::metric::{
     Figures, JOULES_PER_KWH, measure, oee_factor, of_lead_time, of_station, yield_share,
@@ -445,7 +446,10 @@ impl Batches {
             .map(|requirement| &requirement.metric);
         let lags_1: Vec<Option<f64>> = metrics.map(|metric| estimate(metric, trace).1).collect();
         let mut findings = requirement::unmet(line, sample, &requirements);
-        findings.extend(correlated(line, trace, &estimates, &lags_1));
+        // A deadlock in a part of the line shows in the batches after it.
+        if !matches!(trace.bottleneck, Bottleneck::Deadlock(_)) {
+            findings.extend(correlated(line, trace, &estimates, &lags_1));
+        }
         let seconds = (trace.end == End::Time).then_some(first.seconds);
         findings.extend(out_of_step(line, trace, seconds));
         Some(Self {

@@ -1,5 +1,6 @@
 //! Replications: the same line under several seeds, with confidence intervals.
 
+use super::bottleneck::Bottleneck;
 use super::estimates::{self, Estimated};
 use super::log::Observer;
 use super::metric::{self, Figures as _};
@@ -245,7 +246,11 @@ pub fn replicate(
         traces.extend(more);
         let (kept, mut replications) = own.combined(traces, done + wanted);
         traces = kept;
-        let next = count.next(&replications).filter(|_| complete);
+        let deadlocked = |trace: &Trace| matches!(trace.bottleneck, Bottleneck::Deadlock(_));
+        let is_in_vain = traces.iter().all(deadlocked);
+        let next = count
+            .next(&replications)
+            .filter(|_| complete && !is_in_vain);
         let Some(next) = next else {
             replications.report_precision(own.line(), count);
             return Ok((traces, replications));

@@ -71,7 +71,8 @@ fn summary(out: &mut String, line: &Line, trace: &Trace, intervals: Option<Inter
         "products",
         format!("{} {verb}{ending}", counted_products(line, trace)),
     );
-    row("makespan", duration(trace.makespan));
+    let makespan = (trace.products > 0).then(|| duration(trace.makespan));
+    row("makespan", makespan.unwrap_or_else(|| "-".to_owned()));
     let how = if trace.warm_up_found {
         " (by MSER-5)".to_owned()
     } else if trace.warm_up_products > 0 {

@@ -2,27 +2,18 @@
 
 use crate::contract::line::Line;
 use crate::contract::set::{SettableNumber, Setting};
+use crate::diagnostics::Diagnostic;
 use crate::engine::speed;
 use crate::report::Variant;
+use crate::source::SourceMap;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
+/// How many times as fast a station can be made.
+const SPEEDS: RangeInclusive<f64> = 1e-3..=1e3;
 
 /// Number of pairs of runs if `--replications` does not say it.
 pub const DEFAULT_PAIRS: u64 = 10;
-
-/// Why options are refused.
-#[derive(Debug)]
-pub enum Refused {
-    /// They make no sense, for this reason.
-    Usage(String),
-    /// Both change the speed of a station.
-    Repeated(Box<(Setting, Setting)>),
-}
-
-impl From<String> for Refused {
-    fn from(message: String) -> Self {
-        Self::Usage(message)
-    }
-}
 
 /// What differs in a variant of a line.
 #[derive(Debug, Default)]
@@ -38,25 +29,31 @@ pub struct Changes {
 impl Changes {
     /// Reads the options of all variants, in the order in which they are first named: those that
     /// begin with the same name, as in `fast: press=10%`, make one, and so do those without a name.
+    /// Options become sources if something is wrong with them.
     ///
     /// # Errors
-    /// Returns a reason as [`Changes::new`] does, or if a name is empty.
+    /// Returns a finding for each percentage that is not greater than -100 %, or has no `%`, for
+    /// each station that has two in one variant, and for each empty name.
     pub fn variants(
         what_if: &[Setting],
         set: &[Setting],
         line: &Line,
-    ) -> Result<Vec<Self>, Refused> {
+        sources: &mut SourceMap,
+    ) -> Result<Vec<Self>, Vec<Diagnostic>> {
         let mut named: Vec<(String, Vec<Setting>)> = Vec::new();
-        for change in what_if {
-            let (variant, change) = change.split_variant();
+        let mut findings = Vec::new();
+        for whole in what_if {
+            let (variant, change) = whole.split_variant();
             let name = variant.unwrap_or_default();
             if variant.is_some_and(str::is_empty) || change.name().is_empty() {
-                return Err(Refused::Usage(format!(
-                    "`{}={}`: write the name of a variant, `:` and a number, such as `fast: capper.takes='2 s'`",
-                    change.name(),
-                    change.value()
-                )));
+                findings.push(
+                    whole
+                        .wrong_name(sources, "the name of a variant, or of a number, is missing")
+                        .with_help("write the name of a variant, `:` and a number, such as `fast: capper.takes='2 s'`"),
+                );
+                continue;
             }
+            let change = change.given_by("--what-if");
             match named.iter_mut().find(|(known, _)| known == name) {
                 Some((_, changes)) => changes.push(change),
                 None => named.push((name.to_owned(), vec![change])),
@@ -64,15 +61,20 @@ impl Changes {
         }
         let are_several = named.len() > 1;
         let variants = named.into_iter().map(|(name, what_if)| {
-            let mut changes = Self::new(&what_if, set, line)?;
+            let mut changes = Self::new(&what_if, set, line, sources, &mut findings);
             changes.variant.name = if name.is_empty() && are_several {
                 "what if".to_owned()
             } else {
                 name
             };
-            Ok(changes)
+            changes
         });
-        variants.collect()
+        let variants = variants.collect();
+        if findings.is_empty() {
+            Ok(variants)
+        } else {
+            Err(findings)
+        }
     }
 
     /// Notes what the numbers of the variant are in the line as it is: as `set` for the run, or as
@@ -98,11 +100,13 @@ impl Changes {
     /// Reads the options of one variant. `NAME=10%` with the name of a station makes it 10 %
     /// faster; everything else is set as by `--set`, and replaces a number that `--set` has set by
     /// the same name.
-    ///
-    /// # Errors
-    /// Returns a reason if a percentage is not greater than -100 %, or has no `%`, or if a station
-    /// has two.
-    fn new(what_if: &[Setting], set: &[Setting], line: &Line) -> Result<Self, Refused> {
+    fn new(
+        what_if: &[Setting],
+        set: &[Setting],
+        line: &Line,
+        sources: &mut SourceMap,
+        findings: &mut Vec<Diagnostic>,
+    ) -> Self {
         let mut changes = Self::default();
         let mut changed: BTreeMap<usize, &Setting> = BTreeMap::new();
         let mut numbers = Vec::new();
@@ -110,32 +114,50 @@ impl Changes {
             let (name, value) = (change.name(), change.value());
             let stations = speed::stations_named(line, name);
             if !stations.is_empty() && value.parse::<f64>().is_ok() {
-                return Err(Refused::Usage(format!(
-                    "`{name}={value}`: write `{name}={value}%` if the station is to be {value} % faster, or set one of its numbers, such as `{name}.takes='{value} s'`"
-                )));
+                findings.push(
+                    change
+                        .wrong_value(sources, format!("`{value}` is not a percentage"))
+                        .with_help(format!(
+                            "write `{name}={value}%` if the station is to be {value} % faster, or set one of its numbers, such as `{name}.takes='{value} s'`"
+                        )),
+                );
+                continue;
             }
-            let Some(percent) = value.strip_suffix('%').filter(|_| !stations.is_empty()) else {
+            let percent = value.strip_suffix('%');
+            if stations.is_empty() && percent.is_some() && line.nodes.iter().any(|n| n.name == name)
+            {
+                findings.push(
+                    change
+                        .wrong_name(sources, &format!("`{name}` is no station, so it does not work faster"))
+                        .with_help("only stations work faster; set a number of it, or the speed of a station"),
+                );
+                continue;
+            }
+            let Some(percent) = percent.filter(|_| !stations.is_empty()) else {
                 changes
                     .variant
                     .set
                     .insert(name.to_owned(), value.to_owned());
-                numbers.push(change.clone().given_by("--what-if"));
+                numbers.push(change.clone());
                 continue;
             };
             let speed = percent.trim().parse::<f64>().ok().map(|p| 1.0 + p / 100.0);
-            let speed = speed
-                .filter(|speed| (1e-3..=1e3).contains(speed))
-                .ok_or_else(|| {
-                    format!(
-                        "`{name}={value}`: write by how many percent the station is faster, such as `{name}=10%`, or slower, such as `{name}=-10%`"
-                    )
-                })?;
+            let Some(speed) = speed.filter(|speed| SPEEDS.contains(speed)) else {
+                findings.push(
+                    change
+                        .wrong_value(sources, format!("`{value}` is not a percentage from -99.9 % to 99,900 %"))
+                        .with_help(format!(
+                            "write by how many percent the station is faster, such as `{name}=10%`, or slower, such as `{name}=-10%`"
+                        )),
+                );
+                continue;
+            };
+            let mut nodes = stations.iter();
+            if let Some(first) = nodes.find_map(|node| changed.insert(*node, change)) {
+                findings.push(change.repeats(first, sources));
+            }
             for node in stations {
-                if let Some(first) = changed.insert(node, change) {
-                    let both = [first, change].map(|of| of.clone().given_by("--what-if"));
-                    let [first, second] = both;
-                    return Err(Refused::Repeated(Box::new((first, second))));
-                }
+                changed.insert(node, change);
                 changes.speeds.insert(node, speed);
             }
             changes.variant.speeds.insert(name.to_owned(), speed);
@@ -143,7 +165,7 @@ impl Changes {
         let stays = |setting: &&Setting| !changes.variant.set.contains_key(setting.name());
         changes.set = set.iter().filter(stays).cloned().collect();
         changes.set.extend(numbers);
-        Ok(changes)
+        changes
     }
 }
 

@@ -608,3 +608,44 @@ fn deadlocks_of_random_lines_last() {
     println!("{found} deadlocks, {still} lines that stand still");
     assert!(found > 100 && still > 50, "{found} {still}");
 }
+
+/// The search for a warm-up says why a line does not become steady, and a run that ends in its
+/// warm-up because of a deadlock is not advised to last longer.
+#[test]
+fn a_deadlock_during_the_warm_up_is_its_own_finding() {
+    let body = LOOP.replace("route P: a -> x", "source a: P every 2 s route P: a -> x");
+    let options = |warm_up_products| Options {
+        until: Some(7200.0),
+        warm_up_products,
+        ..Options::default()
+    };
+    let plant =
+        |warm_up_products| plant_of(&format!("line L {{ {body} }}"), options(warm_up_products));
+    let found = plant(0).find_warm_up().expect_err("a deadlock");
+    assert_eq!(found.code.id, "LW403");
+    let trace = plant(100).run();
+    let codes: Vec<&str> = trace.findings.iter().map(|f| f.code.id).collect();
+    assert_eq!(codes, ["LW403", "LW404"]);
+    assert_eq!(
+        trace.findings[1].help.as_deref(),
+        Some("First repair what made the line stand still.")
+    );
+}
+
+/// Lead times are differences of instants: as doubles, 0.4 - 0.1 is a little more than 0.3.
+#[test]
+fn a_requirement_holds_at_its_bound() {
+    let trace = run_text(
+        "part P product P source a: P every 0.1 s limit 3
+         buffer q capacity 10 station s { takes 0.2 s } sink k
+         route P: a -> q -> s -> k
+         requirement longest: wait_max(q) <= 0.2 s
+         requirement exactly: lead_time = 0.3 s
+         requirement below: wait_max(q) < 0.2 s
+         requirement above: lead_time > 0.3 s",
+        None,
+        Some(100.0),
+    );
+    let holds = trace.requirements.iter().map(|r| r.holds);
+    assert_eq!(holds.collect::<Vec<_>>(), [true, true, false, false]);
+}

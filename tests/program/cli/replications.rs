@@ -20,6 +20,8 @@ const M_D_1: &str = "line L {
 fn session() -> Session {
     let session = Session::new();
     std::fs::write(session.path("md1.lw"), M_D_1).expect("a file");
+    let two = M_D_1.replace("cell { takes 0.8 s }", "cell times 2 { takes 1.6 s }");
+    std::fs::write(session.path("two.lw"), two).expect("a file");
     session
 }
 
@@ -275,7 +277,7 @@ fn several_variants_have_names() {
     assert_eq!(text.matches("same seeds, 3 pairs").count(), 2, "{text}");
     for wrong in ["--what-if :cell=10%", "--what-if fast:=10%"] {
         let refused = of(wrong);
-        assert_eq!(refused.code, 2, "{wrong}");
+        assert_eq!(refused.code, 1, "{wrong}");
         assert!(
             refused
                 .err
@@ -311,13 +313,30 @@ fn variants_in_words() {
         .collect();
     assert_eq!(row[row.len() - 4..], ["0.000", "0.000", "0.000", "no"]);
     let refused = session.run("run md1.lw --until 1000 --what-if cell=-100%");
-    assert_eq!(refused.code, 2);
+    assert_eq!(refused.code, 1);
     assert!(
         refused
             .err
-            .contains("by how many percent the station is faster"),
+            .contains("by how many percent the station is faster")
+            && refused.err.contains("--> --what-if cell:1:6"),
         "{}",
         refused.err
+    );
+    // All mistakes are found at once, before anything runs.
+    let queue = session
+        .run("run md1.lw --until 1e9 --what-if queue=10% --what-if cell=1 --what-if cell=2%");
+    assert_eq!(
+        queue.err.matches("error[LW105]").count(),
+        2,
+        "{}",
+        queue.err
+    );
+    assert!(
+        queue
+            .err
+            .contains("`queue` is no station, so it does not work faster"),
+        "{}",
+        queue.err
     );
     let single = session.run("run md1.lw --until 1000 --replications 1 --what-if cell=5%");
     assert_eq!(single.code, 2);
@@ -346,17 +365,34 @@ fn variants_in_words() {
             refused.err
         );
     }
-    let copy = session.run("run md1.lw --until 1000 --set cell[2].takes=1s");
+    for option in ["--set cell[2].takes=1s", "--what-if cell[2]=10%"] {
+        let copy = session.run(&format!("run md1.lw --until 1000 {option}"));
+        assert!(
+            copy.err.contains("`L` has no station `cell[2]`")
+                && copy
+                    .err
+                    .contains("`cell` is a single station; `cell.times=2` makes two of it"),
+            "{}",
+            copy.err
+        );
+    }
+    let two = session.run("run two.lw --until 1000 --set cell[2].takes=1s");
     assert!(
-        copy.err.contains("`cell[2]` has no numbers of its own")
-            && copy
-                .err
-                .contains("set together: `cell.times`, `cell.takes`"),
+        two.err.contains("`cell[2]` has no numbers of its own")
+            && two.err.contains("set together: `cell.times`, `cell.takes`"),
         "{}",
-        copy.err
+        two.err
+    );
+    let third = session.run("run two.lw --until 1000 --what-if cell[3]=10%");
+    assert!(
+        third
+            .err
+            .contains("its stations are `cell[1]` to `cell[2]`"),
+        "{}",
+        third.err
     );
     let number = session.run("run md1.lw --until 1000 --what-if cell=15");
-    assert_eq!(number.code, 2);
+    assert_eq!(number.code, 1);
     assert!(
         number
             .err

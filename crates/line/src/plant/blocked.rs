@@ -457,8 +457,15 @@ impl Run<'_> {
                         Supply::At { .. } if source.exhausted() => {
                             format!("{name} has made all {} of its table", source.made())
                         }
-                        _ if source.exhausted() => {
-                            format!("{name} has made all {} of its limit", source.made())
+                        Supply::Every {
+                            limit: Some(limit), ..
+                        } if source.exhausted() => {
+                            let replaced = match source.made().saturating_sub(*limit) {
+                                0 => String::new(),
+                                1 => " and 1 replacement".to_owned(),
+                                more => format!(" and {more} replacements"),
+                            };
+                            format!("{name} has made all {limit} of its limit{replaced}")
                         }
                         _ => match self.limit_reached(node) {
                             Some((_, most)) => format!(

@@ -4,7 +4,7 @@
 use super::{Event, Place, Plant, Run, WARM_UP};
 use crate::mser::mser5;
 use crate::trace::End;
-use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_language::contract::line::{NodeKind, Supply};
 
 impl Plant {
@@ -13,13 +13,15 @@ impl Plant {
     /// between them, and the later cut is taken. Returns the warm-up in seconds.
     ///
     /// # Errors
-    /// Returns `LW404` if the pilot run is too short, and `LW204` if the deadline cut it off.
+    /// Returns `LW404` if the pilot run is too short, `LW403` if this is so because of a deadlock,
+    /// and `LW204` if the deadline cut it off.
     pub fn find_warm_up(&mut self) -> Result<f64, Box<Diagnostic>> {
         self.setup.options.warm_up = 0.0;
         self.setup.options.warm_up_products = 0;
         let mut run = self.begin(self.setup.options.seed, None);
         run.counters.observations = Some(Vec::new());
-        if run.advance() == End::GaveUp
+        let end = run.advance();
+        if end == End::GaveUp
             && let Some(late) = run.journal.findings.pop()
         {
             return Err(Box::new(late));
@@ -34,6 +36,10 @@ impl Plant {
         });
         let between: Vec<f64> = between.collect();
         let (Some(a), Some(b)) = (mser5(&lead_times), mser5(&between)) else {
+            run.report_deadlock(end);
+            if let Some(blocked) = run.blocked() {
+                return Err(Box::new(blocked.clone()));
+            }
             let line = &self.setup.line;
             let message = format!(
                 "no warm-up of {} was found in a run with {} products: it does not become steady in the first half of the run",
@@ -136,10 +142,19 @@ impl Run<'_> {
             self.line.name,
             self.moment()
         );
-        self.journal.findings.push(
-            Diagnostic::warning(codes::LINE_LIMIT, self.line.span, message)
-                .with_help("Let it run longer, or shorten the warm-up."),
-        );
+        let help = match self.blocked() {
+            Some(_) => "First repair what made the line stand still.",
+            None => "Let it run longer, or shorten the warm-up.",
+        };
+        self.journal
+            .findings
+            .push(Diagnostic::warning(codes::LINE_LIMIT, self.line.span, message).with_help(help));
+    }
+
+    /// The error that the line, or a part of it, can no longer advance.
+    fn blocked(&self) -> Option<&Diagnostic> {
+        let mut findings = self.journal.findings.iter();
+        findings.find(|f| f.code == codes::LINE_BLOCKED && f.severity == Severity::Error)
     }
 
     /// Whether the warm-up is over, or there is none.

@@ -79,11 +79,28 @@ impl Setting {
         self.text[self.equals + 1..].trim()
     }
 
+    /// A finding about its name. The setting becomes a source.
+    pub fn wrong_name(&self, sources: &mut SourceMap, message: &str) -> Diagnostic {
+        let file = self.add_to(sources);
+        Diagnostic::error(codes::ARGUMENT, self.name_span(file), message)
+    }
+
+    /// A finding about its value. The setting becomes a source.
+    pub fn wrong_value(&self, sources: &mut SourceMap, message: String) -> Diagnostic {
+        let file = self.add_to(sources);
+        Diagnostic::error(codes::ARGUMENT, self.value_span(file), message)
+    }
+
+    fn add_to(&self, sources: &mut SourceMap) -> FileId {
+        let source = format!("{} {}", self.option, self.name());
+        sources.add(source, self.text.as_str())
+    }
+
     /// The finding that this setting changes what `first` has changed already. Both become sources.
     pub fn repeats(&self, first: &Self, sources: &mut SourceMap) -> Diagnostic {
         let [first, second] = [first, self].map(|setting| {
-            let source = format!("{} {}", setting.option, setting.name());
-            setting.name_span(sources.add(source, setting.text.as_str()))
+            let file = setting.add_to(sources);
+            setting.name_span(file)
         });
         set_twice(self.name(), second, first)
     }
@@ -240,7 +257,7 @@ impl Target<'_> {
         let mut values: BTreeMap<usize, Value> = BTreeMap::new();
         for setting in settings {
             let name = setting.name();
-            let file = sources.add(format!("{} {name}", setting.option), setting.text.as_str());
+            let file = setting.add_to(sources);
             let span = setting.name_span(file);
             let mut matching =
                 (0..known.len()).filter(|i| known[*i].names.iter().any(|n| n == name));
@@ -310,9 +327,19 @@ impl Target<'_> {
             Some(names[at])
         };
         let error = |message: String| Diagnostic::error(codes::NAME_UNKNOWN, span, message);
-        if let Some((all, _)) = place.split_once('[')
-            && shown.contains(&format!("{all}.times").as_str())
+        if let Some((all, index)) = place.split_once('[')
+            && let Some(count) = count_of(known, all)
         {
+            let index = index.strip_suffix(']').and_then(|index| index.parse().ok());
+            if count < 2 || !index.is_some_and(|index| (1..=count).contains(&index)) {
+                let there_are = match count {
+                    0 | 1 => {
+                        format!("`{all}` is a single station; `{all}.times=2` makes two of it")
+                    }
+                    _ => format!("its stations are `{all}[1]` to `{all}[{count}]`"),
+                };
+                return error(format!("`{target}` has no station `{place}`")).with_help(there_are);
+            }
             return error(format!("`{place}` has no numbers of its own")).with_help(format!(
                 "the stations of `{all}` are alike, and their numbers are set together: {}; declare a station of its own for other numbers, or let one alone work faster: `--what-if '{place}=10%'`",
                 quoted(&numbers_of(all))
@@ -397,6 +424,16 @@ fn has_resource(layout: &ast::Layout, name: &str) -> bool {
         Duplicate { name: n, .. } => n.text == name,
         _ => false,
     })
+}
+
+/// The number of stations that a station's `times` declares; `None` if there is no such station.
+fn count_of(known: &[Known], station: &str) -> Option<u64> {
+    let times = format!("{station}.times");
+    let slot = known.iter().find(|slot| slot.names.contains(&times))?;
+    match slot.present {
+        Some(Present::Count(count)) => Some(count),
+        _ => Some(1),
+    }
 }
 
 /// Names that only one slot has.
