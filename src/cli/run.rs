@@ -55,7 +55,7 @@ pub struct Arguments {
     #[arg(value_name = "LINE")]
     pub selection: Selection,
     /// Stop after N finished products (after the warm-up)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = products, allow_negative_numbers = true)]
     pub parts: Option<u64>,
     /// Stop at this simulation time
     #[arg(long, value_name = "TIME", value_parser = time::seconds, allow_hyphen_values = true)]
@@ -158,6 +158,12 @@ fn warm_up(text: &str) -> Result<WarmUp, String> {
     time::seconds(text)
         .map(WarmUp::Seconds)
         .map_err(|why| format!("{why}, products (`500 parts`), or `auto`"))
+}
+
+/// Parses a number of products.
+fn products(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| *number > 0);
+    number.ok_or_else(|| "write a whole number from 1 on".to_owned())
 }
 
 /// Parses a number of products, such as `500 parts`; `None` for a text without this word.

@@ -96,7 +96,19 @@ impl<'a> Builder<'a, '_> {
                 }
             }
             LineItem::Limit(value, false) => {
-                if let Some(s) = non_negative(&mut self.e, value, Dimension::Time) {
+                let is_bare = match &value.kind {
+                    ast::ExprKind::Int(count) => *count > 0,
+                    ast::ExprKind::Quantity(_, unit) => unit.is_empty(),
+                    _ => false,
+                };
+                if is_bare {
+                    self.e.findings.error_with(
+                        codes::TYPE_MISMATCH,
+                        value.span,
+                        "this limit is neither a time nor a number of products",
+                        "write when a run ends, `limit 8 h` or `limit 50 products`; how many parts a source makes is a whole number",
+                    );
+                } else if let Some(s) = non_negative(&mut self.e, value, Dimension::Time) {
                     model.limit = Some(Limit::Seconds(s));
                 }
             }
