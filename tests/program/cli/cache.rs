@@ -267,3 +267,20 @@ fn a_changed_file_of_another_tool_begins_with_the_results_of_its_last_check() {
         "{second}"
     );
 }
+
+/// An examination that used up its work budget is said to be incomplete, the second time as well.
+/// With a larger budget it is done again.
+#[test]
+fn what_was_examined_in_part_is_said_to_be() {
+    let session = Session::new();
+    let file = root().join("contracts/handling/branch.lw");
+    let examination = |effort: &str| {
+        let file = file.display();
+        let line = format!("check {file} --no-timing --format json --effort {effort}");
+        let document: Value = serde_json::from_str(&run(&session, &line).out).expect("a document");
+        document["contracts"][0]["examination"].clone()
+    };
+    assert_eq!(examination("0.01"), "partial");
+    assert_eq!(examination("0.01"), "partial");
+    assert!(examination("1").is_null());
+}
