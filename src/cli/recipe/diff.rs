@@ -256,9 +256,8 @@ fn makes(loaded: &LoadedFiles, layout: &Layout, recipe: &Recipe, aim: Aim) -> Ma
         return Makes::Not;
     }
     if aim.objective == Objective::Steps {
-        let limits = recipes::search_limits(aim.factor);
         let outcome =
-            recipes::attempt(layout, recipe, limits).unwrap_or_else(|fault| fault.raise());
+            recipes::attempt(layout, recipe, aim.factor).unwrap_or_else(|fault| fault.raise());
         return match outcome {
             Outcome::Realizable(controller) => {
                 let value = i64::from(controller.worst_case);

@@ -254,6 +254,7 @@ impl<'m> Subject<'m> {
     }
 
     /// The finding without a known cause: it points to the first step that can never be performed.
+    /// `furthest_steps` is empty if it is not known how far the recipe gets.
     pub fn unrealizable(&self, furthest_steps: &[Option<usize>]) -> Diagnostic {
         let model = &self.recipe.model;
         let title = format!(
@@ -285,6 +286,12 @@ impl<'m> Subject<'m> {
                     help,
                 )
             }
+            None if furthest_steps.is_empty() => self.error(
+                codes::RECIPE_UNREALIZABLE,
+                self.recipe.span,
+                format!("{title}: a symbolic search proves it, without showing which step is missing"),
+                help,
+            ),
             None => self.error(
                 codes::RECIPE_UNREALIZABLE,
                 self.recipe.span,

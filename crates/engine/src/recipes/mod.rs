@@ -14,6 +14,7 @@ mod relaxed;
 pub mod run;
 mod several;
 pub mod stations;
+mod symbolic;
 pub mod words;
 
 pub use documents::{PlanDocument, documents};
@@ -178,9 +179,7 @@ fn decided(
     };
     let is_single = realization.is_single() && aim.objective == Objective::Steps;
     match recipes.as_slice() {
-        [recipe] if is_single && !aim.as_plan => {
-            on_layout(layout, recipe, realization, search_limits(aim.factor))
-        }
+        [recipe] if is_single && !aim.as_plan => on_layout(layout, recipe, realization, aim.factor),
         recipes => {
             let order = several::Order {
                 layout,
@@ -198,9 +197,9 @@ fn on_layout(
     layout: &Layout,
     recipe: &Recipe,
     realization: &Realization,
-    limits: SearchLimits,
+    factor: BudgetFactor,
 ) -> Result<Decision, Fault> {
-    Ok(match attempt(layout, recipe, limits)? {
+    Ok(match attempt(layout, recipe, factor)? {
         Outcome::Realizable(controller) => Decision::realizable(Solution::Controller(controller)),
         Outcome::Unrealizable(refusal) => {
             let of = findings::Subject {
@@ -208,7 +207,7 @@ fn on_layout(
                 recipe,
                 realization,
             };
-            let found = causes::find(&of, &refusal, limits);
+            let found = causes::find(&of, &refusal, search_limits(factor));
             Decision::without_solution(Verdict::Unrealizable, found)
         }
         Outcome::GaveUp(size) => {
@@ -218,17 +217,23 @@ fn on_layout(
 }
 
 /// Decides whether one product of a recipe can be made on a layout, and replays the controller.
+/// Where the explicit search reaches its limits, a symbolic game is tried.
 ///
 /// # Errors
 /// The replay refuses the controller, or the models have problems that the resolver should have
 /// reported.
-pub fn attempt(layout: &Layout, recipe: &Recipe, limits: SearchLimits) -> Result<Outcome, Fault> {
+pub fn attempt(layout: &Layout, recipe: &Recipe, factor: BudgetFactor) -> Result<Outcome, Fault> {
     let (layout, recipe) = (&layout.model, &recipe.model);
     let doing = || format!("making `{}` on `{}`", recipe.name, layout.name);
-    let outcome = realize(layout, recipe, limits).map_err(|problems| {
+    let mut outcome = realize(layout, recipe, search_limits(factor)).map_err(|problems| {
         let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
         Fault::detected(doing(), problems.join("; "))
     })?;
+    if let Outcome::GaveUp(_) = outcome
+        && let Some(decided) = symbolic::decide(layout, recipe, factor)
+    {
+        outcome = decided;
+    }
     if let Outcome::Realizable(controller) = &outcome {
         replay::verify(layout, recipe, controller)
             .map_err(|fault| Fault::detected(doing(), format!("the replay failed: {fault}")))?;

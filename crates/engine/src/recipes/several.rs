@@ -127,7 +127,7 @@ fn alone(order: &Order<'_>, aim: Aim) -> Result<Alone, Fault> {
         is_complete: true,
     };
     for (demand, recipe) in order.recipes.iter().enumerate() {
-        match attempt(order.layout, recipe, limits)? {
+        match attempt(order.layout, recipe, aim.factor)? {
             Outcome::Realizable(_) => {}
             Outcome::Unrealizable(refusal) => {
                 let causes = causes::find(&order.subject(demand), &refusal, limits);

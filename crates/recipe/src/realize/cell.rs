@@ -5,24 +5,31 @@ use rustc_hash::FxHashMap;
 
 /// A transition of a resource, from a known state.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Taken {
+pub struct Taken {
+    /// Index of the resource.
     pub resource: u16,
+    /// Index of the transition.
     pub transition: u16,
+    /// The state that it enters.
     pub to: u16,
 }
 
 /// An operation of a step. Parts are kinds; see [`Cell::kinds`].
 #[derive(Debug)]
-pub(crate) struct Call {
+pub struct Call {
     /// What can perform it: the state that is left, and the transition.
     pub performers: Vec<(u16, Taken)>,
+    /// The parts that it takes.
     pub inputs: Vec<u16>,
+    /// The parts that it leaves.
     pub outputs: Vec<u16>,
 }
 
 /// A transition of the recipe.
-pub(crate) struct Work {
+pub struct Work {
+    /// Its steps, each with the operations that are performed together.
     pub steps: Vec<Vec<Call>>,
+    /// The state of the recipe that it enters.
     pub to: u16,
     /// Whether it closes a loop of the recipe.
     pub closes_loop: bool,
@@ -30,9 +37,10 @@ pub(crate) struct Work {
 
 /// A state of the recipe.
 #[derive(Default)]
-pub(crate) struct RecipeState {
+pub struct RecipeState {
     /// Transitions that leave it.
     pub leaving: Vec<u16>,
+    /// Whether the recipe ends here.
     pub is_end: bool,
     /// Tests that need their inputs at one of some resources.
     pub tests: Vec<(Vec<u16>, Vec<u16>)>,
@@ -42,8 +50,10 @@ pub(crate) struct RecipeState {
 
 /// What a resource can do in one of its states, apart from operations.
 #[derive(Default)]
-pub(crate) struct StateTable {
+pub struct StateTable {
+    /// Whether it may wait.
     pub may_wait: bool,
+    /// Internal operations.
     pub internal: Vec<Taken>,
     /// Labels under which it gives a part.
     pub gives: Vec<(u16, Taken)>,
@@ -52,13 +62,14 @@ pub(crate) struct StateTable {
 }
 
 /// A layout and a recipe in numbers.
-pub(crate) struct Cell {
+pub struct Cell {
     /// Names of parts: those of the recipe, then types of stock that no part has as a name.
     pub kinds: Vec<String>,
     /// For each part of the recipe, the stock that can replace it.
     pub stock: Vec<Option<u16>>,
     /// Whether each kind may remain at an end.
     pub may_remain: Vec<bool>,
+    /// Number of parts for which each resource has room.
     pub capacity: Vec<usize>,
     /// Tables by resource and state.
     pub states: Vec<Vec<StateTable>>,
@@ -68,8 +79,11 @@ pub(crate) struct Cell {
     pub restless: Vec<u16>,
     /// Resources that take parts under each label.
     pub receivers: Vec<Vec<u16>>,
+    /// The transitions of the recipe.
     pub works: Vec<Work>,
+    /// The states of the recipe.
     pub recipe_states: Vec<RecipeState>,
+    /// The state at the start of the recipe.
     pub start: u16,
     /// States of the resources at the start, then pairs of a resource and the kind of a part that
     /// it holds, sorted.

@@ -18,7 +18,7 @@
 //! A depth-first AND-OR search might need fewer nodes for a verdict, but not to prove that a number
 //! of vectors is the least.
 
-pub(crate) mod cell;
+pub mod cell;
 mod evaluate;
 mod explore;
 mod extract;
@@ -81,7 +81,7 @@ pub struct Refusal {
     /// Causes that are found without a search. If there are any, there was no search.
     pub obstacles: Vec<Obstacle>,
     /// The most steps that could be performed of each transition of the recipe, whatever happens
-    /// afterward; `None` if the recipe cannot get to it.
+    /// afterward; `None` if the recipe cannot get to it. Empty if this is not known.
     pub furthest_steps: Vec<Option<usize>>,
     /// Size of the search. It was complete, which proves the answer.
     pub size: SearchSize,
