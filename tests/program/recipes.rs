@@ -299,6 +299,58 @@ fn products_that_cannot_be_made_have_their_causes() {
     }
 }
 
+/// Two single places cannot exchange their parts. Twenty tables that turn by themselves give the
+/// cell 2^20 configurations, so that the explicit search reaches its limits; the symbolic game does
+/// not.
+#[test]
+fn a_large_cell_is_decided_by_a_symbolic_game() {
+    let folder = sandbox();
+    let tables: String = (0..20)
+        .map(|number| {
+            format!(
+                "    resource table{number} at left {{
+        left -> right: internal turn
+        right -> left: internal turn
+        nop left, right
+    }}
+"
+            )
+        })
+        .collect();
+    let cell = format!(
+        "layout Swap {{
+    resource one at s0 {{
+        s0 -> s0: press, mark, in:one, out:two
+        nop s0
+    }}
+    resource two at s0 {{
+        s0 -> s0: punch, paint, in:two, out:one
+        nop s0
+    }}
+{tables}}}
+
+recipe Pair {{
+    part f: Frame, g: Lid
+    leftover f, g
+    start a
+    a -> b: press()(f); punch()(g); paint(f)(f); mark(g)(g)
+    end b
+}}
+
+realize Pair on Swap
+"
+    );
+    std::fs::write(folder.path().join("swap.lw"), cell).expect("a file");
+    let (code, document) = document(folder.path(), "check swap.lw --effort 0.01");
+    assert_eq!(code, 1, "{document}");
+    let expected = [("Pair on Swap".to_owned(), "unrealizable".to_owned(), None)];
+    assert_eq!(verdicts(&document), expected);
+    let finding = &document["realizations"][0]["findings"][0];
+    assert_eq!(finding["code"], "LW614");
+    let message = finding["message"].as_str().expect("a message");
+    assert!(message.contains("a symbolic search proves it"), "{message}");
+}
+
 #[test]
 fn a_search_that_gives_up_says_what_it_has_tried() {
     let sandbox = sandbox();
