@@ -984,3 +984,40 @@ realize R on Bad\n";
     assert_eq!(code, 2);
     assert_eq!(failed["findings"][0]["code"], "LW504");
 }
+
+/// A plan that assumes a missing operation says which. The verdict and its causes are those of the
+/// layout as it is.
+#[test]
+fn a_plan_can_assume_what_is_missing() {
+    let folder = sandbox();
+    let line = "recipe plan examples/pad/parallel.lw::Pad";
+    let (code, strict) = document(folder.path(), line);
+    let (with_code, assuming) = document(folder.path(), &format!("{line} --assume 2"));
+    assert_eq!((code, with_code), (1, 1));
+    let (strict, assuming) = (
+        named(&strict["plans"], "FastHinge on Pad"),
+        named(&assuming["plans"], "FastHinge on Pad"),
+    );
+    assert_eq!(strict["verdict"], "unrealizable");
+    assert_eq!(assuming["verdict"], strict["verdict"]);
+    assert_eq!(assuming["findings"], strict["findings"]);
+    assert!(strict["plan"].is_null() && strict["assumed"].is_null());
+    // One is enough, and the plan performs it.
+    let assumed = assuming["assumed"].as_array().expect("operations");
+    let texts: Vec<_> = assumed.iter().map(|change| &change["text"]).collect();
+    assert_eq!(texts, ["r2: s3 -> s1: glue"]);
+    let moves = assuming["plan"]["positions"][0]["legs"][0]["vectors"]
+        .as_array()
+        .expect("vectors")
+        .iter()
+        .flat_map(|vector| vector.as_array().expect("moves"));
+    let glued = moves.filter(|m| m["action"] == "glue" && m["resource"] == "r2");
+    assert_eq!(glued.count(), 1);
+    // Where nothing is missing, nothing is assumed.
+    let (code, whole) = document(
+        folder.path(),
+        "recipe plan examples/pad/hinge.lw --assume 1",
+    );
+    assert_eq!(code, 0);
+    assert!(whole["plans"][0]["assumed"].is_null());
+}

@@ -1,5 +1,6 @@
 //! `linewright recipe`: plans, topologies, comparisons and repairs of layouts and recipes.
 
+mod assumed;
 mod diff;
 mod documents;
 mod least;

@@ -1,7 +1,9 @@
 //! `linewright recipe plan`: how the resources of a layout make a recipe.
 
+use super::assumed::Planned;
 use super::documents::add_documents;
 use super::least::Least;
+use super::repair::LayoutChange;
 use super::schedule::{self, ProductsPlan, View};
 use super::{print_result, subject};
 use crate::cli::console::{Failed, count, schema};
@@ -17,7 +19,7 @@ use crate::drawing::gantt;
 use crate::engine::files::LoadedFiles;
 use crate::engine::output;
 use crate::engine::pipeline::Verdict;
-use crate::engine::recipes::{self, Aim, Decision, Solution, words};
+use crate::engine::recipes::{Aim, Solution, words};
 use crate::recipe::controller::{Controller, Leg, Move, Position, Subject};
 use crate::recipe::model::{Layout, Recipe, Resource};
 use crate::recipe::plan::{Objective, Plan};
@@ -34,6 +36,7 @@ use std::path::{Path, PathBuf};
     linewright recipe plan examples/pad/six.lw::Six --format json
     linewright recipe plan examples/pad/hinge.lw --set r3.holds=3
     linewright recipe plan examples/pad/times.lw --least time --gantt hinge.svg
+    linewright recipe plan examples/pad/parallel.lw --assume 1
     linewright recipe plan examples/pad/hinge.lw --emit b2mml --out documents
 
 A plan of one product with least steps has a list of steps for each transition of the recipe. In a \
@@ -45,7 +48,7 @@ r5.r1.r2.time.
 
 Of a plan that is not proved the least possible, a lower bound says how far it can be from that: \
 --effort 10 lets the search for a better one look at ten times as many plans. The exit code is 1 \
-if the products cannot be made, and 3 if this was not decided.
+if the products cannot be made, even with --assume, and 3 if this was not decided.
 
 B2MML documents have the name of the statement and what they hold: Hinge-on-Pad.equipment.xml is \
 the layout, definition.xml the recipe, workflow.xml the same as a graph if it has choices or loops, \
@@ -61,6 +64,10 @@ pub struct Arguments {
     /// steps)
     #[arg(long, value_name = "FILE")]
     pub gantt: Option<PathBuf>,
+    /// If a product cannot be made, plan as if resources performed up to N operations that they
+    /// lack, and say which; these take no time
+    #[arg(long, value_name = "N", conflicts_with = "emit", value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub assume: Option<u8>,
     /// Set a number of the layout for this plan (repeatable)
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub settings: Vec<Setting>,
@@ -105,6 +112,9 @@ struct PlanEntry {
     file: String,
     /// Whether the products can be made, whatever the outcomes of the tests.
     verdict: Verdict,
+    /// The operations that the layout lacks and the plan assumes; only with `--assume`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    assumed: Vec<LayoutChange>,
     /// If realizable, for one product with least steps: the plan.
     #[serde(skip_serializing_if = "Option::is_none")]
     plan: Option<RecipePlan>,
@@ -228,14 +238,16 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         factor: options.effort,
         as_plan: false,
     };
-    let decided: Vec<(&Realization, Decision)> = selected
+    let decided: Vec<Planned<'_>> = selected
         .into_iter()
-        .map(|r| (r, recipes::plan(&loaded.library, r, aim)))
+        .map(|r| Planned::new(&loaded, r, aim, arguments.assume.unwrap_or(0)))
         .collect();
     let findings: Vec<Diagnostic> = (decided.iter())
-        .flat_map(|(_, d)| d.findings.iter().cloned())
+        .flat_map(|planned| planned.decision.findings.iter().cloned())
         .collect();
-    let verdicts = decided.iter().map(|(_, d)| ExitCode::from(d.verdict));
+    let verdicts = decided
+        .iter()
+        .map(|planned| ExitCode::from(planned.decision.verdict));
     let code = verdicts.fold(options.exit_code(&findings), ExitCode::and);
     if arguments.emit == Some(Emit::B2mml) {
         let out = arguments.out.as_deref();
@@ -244,22 +256,25 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let document = Document {
         schema: schema(DOCUMENT.name),
         least: arguments.least,
-        plans: decided.iter().map(|(r, d)| entry(&loaded, r, d)).collect(),
+        plans: decided
+            .iter()
+            .map(|planned| entry(&loaded, planned))
+            .collect(),
     };
     let sources = &loaded.library.sources;
     let console = options.console();
     print_result(
         &document,
         || {
-            let plans = decided.iter().map(|(r, d)| text(&loaded, r, d));
+            let plans = decided.iter().map(|planned| text(&loaded, planned));
             let plans: Vec<String> = plans.collect();
             console.render(sources, &findings) + &plans.join("\n")
         },
         options,
     )?;
-    if let (Some(path), [(realization, decision)]) = (&arguments.gantt, decided.as_slice())
-        && let Some(view) = view(&loaded, realization, decision)
-        && let Some(failed) = draw(path, realization, &view, &loaded, options)?
+    if let (Some(path), [planned]) = (&arguments.gantt, decided.as_slice())
+        && let Some(view) = view(&loaded, planned)
+        && let Some(failed) = draw(path, planned.realization, &view, &loaded, options)?
     {
         return Ok(failed);
     }
@@ -269,13 +284,14 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
 /// Writes the documents of all plans into a folder.
 fn write_documents(
     loaded: &LoadedFiles,
-    decided: &[(&Realization, Decision)],
+    decided: &[Planned<'_>],
     mut findings: Vec<Diagnostic>,
     out: Option<&Path>,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let mut results = Results::default();
-    for (realization, decision) in decided {
+    for planned in decided {
+        let (realization, decision) = (planned.realization, &planned.decision);
         let finding = add_documents(loaded, realization, decision, &mut results);
         findings.extend(finding);
     }
@@ -283,14 +299,10 @@ fn write_documents(
 }
 
 /// Returns the plan of a statement with its models, if it has one with a schedule.
-fn view<'l>(
-    loaded: &'l LoadedFiles,
-    realization: &Realization,
-    decision: &'l Decision,
-) -> Option<View<'l>> {
-    let plan: &Plan = decision.solution.as_ref()?.plan()?;
-    let (layout, _) = subject::models(loaded, realization);
-    let recipes = subject::recipes(loaded, realization);
+fn view<'l>(loaded: &'l LoadedFiles, planned: &'l Planned<'_>) -> Option<View<'l>> {
+    let plan: &Plan = planned.decision.solution.as_ref()?.plan()?;
+    let (layout, _) = planned.models(loaded);
+    let recipes = subject::recipes(loaded, planned.realization);
     let recipes = recipes.into_iter().map(|r| &r.model).collect();
     Some(View::new(plan, &layout?.model, recipes))
 }
@@ -321,14 +333,16 @@ pub(super) fn draw(
     Ok(None)
 }
 
-fn entry(loaded: &LoadedFiles, realization: &Realization, decision: &Decision) -> PlanEntry {
+fn entry(loaded: &LoadedFiles, planned: &Planned<'_>) -> PlanEntry {
     let sources = &loaded.library.sources;
+    let (realization, decision) = (planned.realization, &planned.decision);
     PlanEntry {
         name: words::title(realization),
         file: sources.file(realization.span.file).name.clone(),
         verdict: decision.verdict,
-        plan: controlled(loaded, realization, decision).map(|(l, r, c)| plan(l, r, c)),
-        schedule: view(loaded, realization, decision).map(|view| ProductsPlan::new(&view)),
+        assumed: planned.assumed.clone(),
+        plan: controlled(loaded, planned).map(|(l, r, c)| plan(l, r, c)),
+        schedule: view(loaded, planned).map(|view| ProductsPlan::new(&view)),
         findings: json::findings(sources, &decision.findings),
     }
 }
@@ -336,13 +350,12 @@ fn entry(loaded: &LoadedFiles, realization: &Realization, decision: &Decision) -
 /// Returns the controller of a statement with its models, if it has one.
 fn controlled<'l>(
     loaded: &'l LoadedFiles,
-    realization: &Realization,
-    decision: &'l Decision,
+    planned: &'l Planned<'_>,
 ) -> Option<(&'l Layout, &'l Recipe, &'l Controller)> {
-    let Some(Solution::Controller(controller)) = &decision.solution else {
+    let Some(Solution::Controller(controller)) = &planned.decision.solution else {
         return None;
     };
-    let (layout, recipe) = subject::models(loaded, realization);
+    let (layout, recipe) = planned.models(loaded);
     Some((&layout?.model, &recipe?.model, controller))
 }
 
@@ -390,13 +403,28 @@ fn vectors(layout: &Layout, recipe: &Recipe, leg: &Leg) -> Vec<Vec<MoveEntry>> {
     shown.collect()
 }
 
-fn text(loaded: &LoadedFiles, realization: &Realization, decision: &Decision) -> String {
-    let title = words::title(realization);
-    if let Some(view) = view(loaded, realization, decision) {
+fn text(loaded: &LoadedFiles, planned: &Planned<'_>) -> String {
+    let mut text = String::new();
+    if !planned.assumed.is_empty() {
+        let title = words::title(planned.realization);
+        let assumed: Vec<&str> = planned.assumed.iter().map(|c| c.text.as_str()).collect();
+        let _ = writeln!(
+            text,
+            "{title} cannot be made on the layout as it is; this plan assumes {}",
+            assumed.join(", ")
+        );
+    }
+    text += &plan_text(loaded, planned);
+    text
+}
+
+fn plan_text(loaded: &LoadedFiles, planned: &Planned<'_>) -> String {
+    let title = words::title(planned.realization);
+    if let Some(view) = view(loaded, planned) {
         return schedule::text(&title, &view);
     }
-    let Some((layout, recipe, controller)) = controlled(loaded, realization, decision) else {
-        let verdict = match decision.verdict {
+    let Some((layout, recipe, controller)) = controlled(loaded, planned) else {
+        let verdict = match planned.decision.verdict {
             Verdict::Unrealizable => "cannot be made",
             _ => "not decided",
         };

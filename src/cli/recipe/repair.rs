@@ -10,6 +10,7 @@ use crate::contract::recipe::{Layout, Realization};
 use crate::engine::files::LoadedFiles;
 use crate::engine::internal::Fault;
 use crate::engine::recipes::{self, words};
+use crate::game::BudgetFactor;
 use crate::recipe::model;
 use crate::recipe::realize::SearchLimits;
 use crate::recipe::repair::{self, Change, Repairs};
@@ -134,14 +135,14 @@ enum RepairOutcome {
 }
 
 /// A change of a layout.
-#[derive(JsonSchema, Serialize)]
-struct LayoutChange {
+#[derive(Clone, JsonSchema, Serialize)]
+pub(super) struct LayoutChange {
     /// What is added.
     kind: ChangeKind,
     /// The resource that changes, or of which there is a second one.
     resource: String,
     /// The change in the words of the language.
-    text: String,
+    pub(super) text: String,
 }
 
 /// Runs the command.
@@ -186,26 +187,13 @@ fn examine(
     let (Some(layout), Some(recipe)) = subject::models(loaded, realization) else {
         return entry;
     };
-    let kinds = ChangeKind::ALL.iter();
+    let kinds = ChangeKind::ALL.into_iter();
     let kinds = kinds.filter(|k| arguments.only.is_empty() || arguments.only.contains(k));
-    let candidates: Vec<Change> = kinds
-        .flat_map(|k| k.candidates(&layout.model, &recipe.model))
-        .collect();
-    let SearchLimits { nodes, vectors } = recipes::search_limits(options.effort);
-    let limits = SearchLimits {
-        nodes: nodes / SHARE,
-        vectors: vectors / SHARE,
-    };
-    let mut found = Repairs::default();
-    // The least size that suffices.
-    for size in 0..=usize::from(arguments.changes) {
-        found = repair::repairs(&layout.model, &recipe.model, &candidates, size, limits)
-            .unwrap_or_else(|problems| unreported(&entry.name, &problems).raise());
-        entry.searches += found.searches;
-        if !found.sets.is_empty() {
-            break;
-        }
-    }
+    let kinds: Vec<ChangeKind> = kinds.collect();
+    let models = (&layout.model, &recipe.model);
+    let (found, searches) = smallest(models, &kinds, arguments.changes, options.effort)
+        .unwrap_or_else(|problems| unreported(&entry.name, &problems).raise());
+    entry.searches = searches;
     entry.is_complete = found.is_complete;
     entry.outcome = match found.sets.first() {
         Some(set) if set.is_empty() => RepairOutcome::NotNeeded,
@@ -221,13 +209,44 @@ fn examine(
     entry
 }
 
+/// Finds all sets of changes of the least size, up to `most`, that make a recipe possible on a
+/// layout. Returns the number of searches, too.
+///
+/// # Errors
+/// All problems of the models, if any of them is more than a warning.
+pub(super) fn smallest(
+    (layout, recipe): (&model::Layout, &model::Recipe),
+    kinds: &[ChangeKind],
+    most: u8,
+    effort: BudgetFactor,
+) -> Result<(Repairs, usize), Vec<model::Problem>> {
+    let kinds = kinds.iter();
+    let candidates: Vec<Change> = kinds
+        .flat_map(|kind| kind.candidates(layout, recipe))
+        .collect();
+    let SearchLimits { nodes, vectors } = recipes::search_limits(effort);
+    let limits = SearchLimits {
+        nodes: nodes / SHARE,
+        vectors: vectors / SHARE,
+    };
+    let (mut found, mut searches) = (Repairs::default(), 0);
+    for size in 0..=usize::from(most) {
+        found = repair::repairs(layout, recipe, &candidates, size, limits)?;
+        searches += found.searches;
+        if !found.sets.is_empty() {
+            break;
+        }
+    }
+    Ok((found, searches))
+}
+
 /// The fault of problems that the resolver should have reported.
-fn unreported(name: &str, problems: &[model::Problem]) -> Fault {
+pub(super) fn unreported(name: &str, problems: &[model::Problem]) -> Fault {
     let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
     Fault::detected(format!("repairing {name}"), problems.join("; "))
 }
 
-fn change(layout: &Layout, change: &Change) -> LayoutChange {
+pub(super) fn change(layout: &Layout, change: &Change) -> LayoutChange {
     let is_transport = |name: &str| {
         let at = layout.model.resource(name);
         at.is_some_and(|at| layout.resources[at].is_transport)
