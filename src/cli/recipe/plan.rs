@@ -36,7 +36,6 @@ use std::path::{Path, PathBuf};
     linewright recipe plan examples/pad/six.lw::Six --format json
     linewright recipe plan examples/pad/hinge.lw --set r3.holds=3
     linewright recipe plan examples/pad/times.lw --least time --gantt hinge.svg
-    linewright recipe plan examples/pad/parallel.lw --assume 1
     linewright recipe plan examples/pad/hinge.lw --emit b2mml --out documents
 
 A plan of one product with least steps has a list of steps for each transition of the recipe. In a \
