@@ -4,6 +4,7 @@
 use crate::support::{linewright, sandbox};
 use quick_xml::events::Event;
 use serde_json::Value;
+use std::fmt::Write as _;
 use std::path::Path;
 
 /// Runs the program in a folder with the examples. Returns the exit code and the document.
@@ -305,18 +306,18 @@ fn products_that_cannot_be_made_have_their_causes() {
 #[test]
 fn a_large_cell_is_decided_by_a_symbolic_game() {
     let folder = sandbox();
-    let tables: String = (0..20)
-        .map(|number| {
-            format!(
-                "    resource table{number} at left {{
+    let mut tables = String::new();
+    for number in 0..20 {
+        let _ = write!(
+            tables,
+            "    resource table{number} at left {{
         left -> right: internal turn
         right -> left: internal turn
         nop left, right
     }}
 "
-            )
-        })
-        .collect();
+        );
+    }
     let cell = format!(
         "layout Swap {{
     resource one at s0 {{
