@@ -365,7 +365,7 @@ fn not_examined(document: &Document) -> String {
         let name = &contract.name;
         match contract.examination? {
             Examination::VerdictOnly => Some(format!(
-                "{name}: verdict only; the contract is large, so its controller was not extracted and its assumptions were not examined\n"
+                "{name}: verdict only; the contract is large, so it was not examined, and its controller was not extracted\n"
             )),
             Examination::Partial => Some(format!(
                 "{name}: not examined completely within the work limit, so findings can be missing; raise the limit with --effort FACTOR\n"

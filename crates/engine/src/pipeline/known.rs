@@ -83,7 +83,8 @@ impl Analysis {
     fn examination(&self, job: &Job) -> Examination {
         let is_missing =
             self.environment.is_none() || self.reports_shape(job) && self.shape.is_none();
-        if self.realizable && job.goal == Goal::Small && self.statistics.large {
+        let is_examined = matches!(job.goal, Goal::Verdict | Goal::Small);
+        if self.realizable && is_examined && self.statistics.large {
             Examination::VerdictOnly
         } else if self.examined == ExaminationDepth::Whole
             && self.examination_limit.is_none()
