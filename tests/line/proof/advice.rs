@@ -78,31 +78,6 @@ fn the_parts_that_fill_a_circle_are_limited() {
     assert!(!help.contains("source q"), "{help}");
 }
 
-/// Parts that wait in a circle are not there for ever if one of its buffers lets them expire.
-#[test]
-fn a_circle_in_which_parts_expire_is_no_deadlock() {
-    let text = |shelf_life: &str| {
-        format!(
-            "line Round {{
-    part P {{ property rounds: 0..2 = 0 }}
-    product P
-    source a: P every 1 s
-    buffer q capacity 2 {shelf_life}
-    station x {{ takes 2 s sets rounds = min(rounds + 1, 2) }}
-    sink k
-    route P: a -> x
-    route P: x -> q when rounds < 2
-    route P: x -> k otherwise
-    route P: q -> x
-    limit 9 products
-}}
-"
-        )
-    };
-    assert!(advice_on(&text("")).is_some());
-    assert_eq!(advice_on(&text("shelf life 1 min")), None);
-}
-
 /// A station that passes parts to itself blocks with a single one, so no limit helps.
 #[test]
 fn a_station_in_a_circle_with_itself_needs_a_buffer() {

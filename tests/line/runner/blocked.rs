@@ -440,11 +440,6 @@ fn no_deadlock_is_found_where_parts_only_wait_long() {
          buffer q capacity 1 shelf life 600 s station x { takes 1 s } sink k
          route P: a -> x, lost
          route P: x -> q when again route P: x -> k otherwise route P: q -> x",
-        // The stock of a component is used up: the rest waits for ever, and nothing in a circle.
-        "part B part C part F from 1 B, 1 C source b: B every 1 s, at most 1000 in the line
-         source c: C every 1 s limit 3
-         sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
-         route B: b -> q, lost route B: q -> s route C: c -> s route F: s -> k",
     ];
     for body in bodies {
         for until in [950.0, 999.5] {
@@ -453,6 +448,30 @@ fn no_deadlock_is_found_where_parts_only_wait_long() {
             assert_eq!(text(&trace), "", "{body}");
         }
     }
+}
+
+/// The stock of a component is used up: the rest waits for ever, and nothing in a circle. This is a
+/// note; a run that waits for products ends.
+#[test]
+fn parts_that_wait_for_what_never_comes_are_a_note() {
+    let body = "part B part C part F from 1 B, 1 C source b: B every 1 s, at most 1000 in the line
+         source c: C every 1 s limit 3
+         sink lost rejects buffer q capacity 2 station s { takes 1 s a F } sink k
+         route B: b -> q, lost route B: q -> s route C: c -> s route F: s -> k";
+    let trace = run_text(body, None, Some(950.0));
+    assert_eq!((trace.end, deadlock(&trace)), (End::Time, None));
+    assert_eq!(trace.findings[0].severity, Severity::Note);
+    insta::assert_snapshot!(text(&trace), @"
+    LW403: parts of the line can never move again, although the rest goes on: q waits for s, s waits for a part of type C, but c has made all 3 of its limit
+      Make sure that enough of the missing parts are made or stocked and that rejected parts are reordered, or require fewer products.
+    ");
+    let trace = run_text(body, Some(10), None);
+    assert_eq!((trace.end, trace.products), (End::Blocked, 3));
+    assert_eq!(trace.findings[0].severity, Severity::Error);
+    insta::assert_snapshot!(text(&trace), @"
+    LW403: no product can be finished any more, with 3 of 10 products made: q waits for s, s waits for a part of type C, but c has made all 3 of its limit
+      Make sure that enough of the missing parts are made or stocked and that rejected parts are reordered, or require fewer products.
+    ");
 }
 
 /// A random line in which parts go round, some of them without end, while sources go on.

@@ -331,9 +331,6 @@ fn can_go_on(model: Model<'_>, place: usize) -> Expr {
         }));
     }
     ways.push(model.may_offer(place));
-    if let PlaceKind::Room { expires: true, .. } = model.shape.places[place].kind {
-        ways.push(model.empty(place).not());
-    }
     ways.extend(vars.open.map(|open| Expr::now(open).not()));
     any(ways)
 }

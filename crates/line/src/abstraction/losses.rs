@@ -60,11 +60,15 @@ pub(super) fn is_loss(line: &Line, node: usize) -> bool {
     })
 }
 
-/// A place whose losses have no way out of the line, which [`with_losses`] adds.
+/// A place whose losses have no way out of the line, which [`with_losses`] adds. A place without
+/// routes has no parts to lose.
 pub(super) fn untreated(line: &Line) -> Option<usize> {
     let mut nodes = 0..line.nodes.len();
     nodes.find(|&node| {
         let mut routes = line.routes.iter().filter(|route| route.from == node);
-        line.can_lose_parts(node) && !routes.any(|route| is_loss(line, route.to))
+        let mut all = line.routes.iter();
+        line.can_lose_parts(node)
+            && all.any(|route| route.from == node || route.to == node)
+            && !routes.any(|route| is_loss(line, route.to))
     })
 }

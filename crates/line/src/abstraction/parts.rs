@@ -569,18 +569,6 @@ impl Writer<'_> {
             };
             self.justice("brings_to_the_end", text, &came);
         }
-        if let PlaceKind::Room { expires: true, .. } = model.shape.places[place].kind {
-            // A part that would expire here is not offered to the next place in the first place.
-            let onward = model.shape.after(place).into_iter();
-            let is_end = |to: usize| matches!(model.shape.places[to].kind, PlaceKind::End { .. });
-            let onward = onward.filter(|to| !is_end(*to));
-            let waits = any(onward.map(|to| model.offers_any(place, to)));
-            self.justice(
-                "does_not_wait_for_ever",
-                "a part that waits here is eventually taken, since parts that expire first leave the line",
-                &waits.not(),
-            );
-        }
     }
 
     /// Adds which part is offered, if the contents of the place do not determine this. `there`

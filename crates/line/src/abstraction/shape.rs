@@ -116,8 +116,6 @@ pub enum PlaceKind {
         /// Whether it can take time until a part is ready to leave, or leaves the line because it
         /// has expired.
         dwells: bool,
-        /// Whether a part that stays too long leaves the line.
-        expires: bool,
     },
 }
 
@@ -196,7 +194,6 @@ impl Shape {
                     PlaceKind::Room {
                         capacity: 1,
                         dwells: false,
-                        expires: false,
                     },
                 ));
             }
@@ -680,7 +677,6 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
         } => PlaceKind::Room {
             capacity: *capacity,
             dwells: !dwell.is_zero() || shelf_life.is_some(),
-            expires: shelf_life.is_some(),
         },
     }
 }

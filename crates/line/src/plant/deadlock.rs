@@ -263,7 +263,7 @@ impl Run<'_> {
     }
 
     /// Reports a deadlock in a part of the line, of which the rest has gone on to the end of the
-    /// run.
+    /// run. Parts that wait for what never comes, without a cycle, are a note.
     pub(super) fn report_deadlock(&mut self, end: End) {
         let may_be_there = match end {
             End::Time | End::Products => !self.rests,
@@ -275,11 +275,21 @@ impl Run<'_> {
             return;
         }
         let prospects = self.prospects();
-        self.report_cycle(&prospects, |since| {
+        let is_deadlock = self.report_cycle(&prospects, |since| {
             format!(
                 "parts of the line can never move again (deadlock since {since}), although the rest goes on"
             )
         });
+        if !is_deadlock && let Some(chain) = self.chain(Some(&prospects)) {
+            let message = format!(
+                "parts of the line can never move again, although the rest goes on: {}",
+                chain.texts.join(", ")
+            );
+            self.journal.findings.push(
+                Diagnostic::note(codes::LINE_BLOCKED, self.line.span, message)
+                    .with_help(self.advice(&chain)),
+            );
+        }
     }
 
     /// Reports the parts that wait for one another in a cycle, if there are any. `says` is given
@@ -300,7 +310,7 @@ impl Run<'_> {
     }
 
     /// Ends a run that waits for products of which none can be finished any more, because of a
-    /// deadlock.
+    /// deadlock or for lack of parts.
     #[cold]
     pub(super) fn end_if_deadlocked(&mut self) {
         let prospects = self.prospects();
@@ -314,6 +324,16 @@ impl Run<'_> {
             )
         });
         if is_deadlock {
+            self.end = Some(End::Blocked);
+        } else if let Some(chain) = self.chain(Some(&prospects)) {
+            let message = format!(
+                "no product can be finished any more{progress}: {}",
+                chain.texts.join(", ")
+            );
+            let finding = Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message);
+            let finding = finding.with_help(self.advice(&chain));
+            let finding = self.with_places(finding, &chain.nodes);
+            self.journal.findings.push(finding);
             self.end = Some(End::Blocked);
         }
     }
