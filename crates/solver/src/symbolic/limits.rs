@@ -115,7 +115,7 @@ impl Budget {
     /// For examining the assumptions of a realizable contract, and for examining its formulas. Each
     /// may take a quarter of the verdict's work in addition.
     pub const EXAMINATION: Self = Self {
-        work: 2_800_000,
+        work: 2_000_000,
         nodes: 400_000,
     };
     /// For finding a minimal set of guarantees that clash.
