@@ -280,7 +280,12 @@ impl Run<'_> {
                 "parts of the line can never move again (deadlock since {since}), although the rest goes on"
             )
         });
-        if !is_deadlock && let Some(chain) = self.chain(Some(&prospects)) {
+        // A run that has made what was wanted may leave parts behind.
+        let has_all = end == End::Products;
+        if !is_deadlock
+            && !has_all
+            && let Some(chain) = self.chain(Some(&prospects))
+        {
             let message = format!(
                 "parts of the line can never move again, although the rest goes on: {}",
                 chain.texts.join(", ")
