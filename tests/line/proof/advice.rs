@@ -1,6 +1,7 @@
 //! The remedy in a finding works.
 
 use super::examples::load;
+use linewright::diagnostics::Diagnostic;
 use linewright::game::Limits;
 use linewright::line::abstraction::{Abstraction, decide, findings, with_losses};
 
@@ -47,6 +48,11 @@ line L {{
 
 /// Returns the advice on the first finding about the line of a file; `None` if it is proved.
 fn advice_on(text: &str) -> Option<String> {
+    finding_on(text).map(|finding| finding.help.unwrap_or_default())
+}
+
+/// Returns the first finding about the line of a file.
+fn finding_on(text: &str) -> Option<Diagnostic> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("line.lw");
     std::fs::write(&file, text).expect("a file");
@@ -55,7 +61,7 @@ fn advice_on(text: &str) -> Option<String> {
     let abstraction = Abstraction::of(&line).expect("an abstraction");
     let verdict = decide(&abstraction, &Limits::default()).expect("no limit");
     let found = findings(&line, &abstraction, &verdict);
-    found.first().map(|f| f.help.clone().unwrap_or_default())
+    found.into_iter().next()
 }
 
 #[test]
@@ -76,6 +82,40 @@ fn the_parts_that_fill_a_circle_are_limited() {
         "{help}"
     );
     assert!(!help.contains("source q"), "{help}");
+}
+
+/// Where a buffer of the cycle lets parts expire, the finding says that this does not count.
+#[test]
+fn a_cycle_in_which_parts_expire_says_so() {
+    let text = |shelf_life: &str| {
+        format!(
+            "line Round {{
+    part P {{ property rounds: 0..2 = 0 }}
+    product P
+    source a: P every 1 s
+    buffer q capacity 2 {shelf_life}
+    station x {{ takes 2 s sets rounds = min(rounds + 1, 2) }}
+    sink k
+    route P: a -> x
+    route P: x -> q when rounds < 2
+    route P: x -> k otherwise
+    route P: q -> x
+    limit 9 products
+}}
+"
+        )
+    };
+    let note =
+        "times are left out: a part in q counts as waiting, even where it would expire first";
+    for (shelf_life, is_said) in [("", false), ("shelf life 1 min", true)] {
+        let finding = finding_on(&text(shelf_life)).expect("a cycle");
+        assert_eq!(finding.code.id, "LW408");
+        assert_eq!(
+            finding.notes.iter().any(|n| n == note),
+            is_said,
+            "{finding:?}"
+        );
+    }
 }
 
 /// A station that passes parts to itself blocks with a single one, so no limit helps.

@@ -64,6 +64,16 @@ fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnost
     for place in &chain.places {
         let node = &line.nodes[abstraction.shape.places[*place].node];
         finding = finding.with_label(node.span, format!("{} is here", node.name));
+        if let NodeKind::Buffer {
+            shelf_life: Some(_),
+            ..
+        } = node.kind
+        {
+            finding = finding.with_note(format!(
+                "times are left out: a part in {} counts as waiting, even where it would expire first",
+                node.name
+            ));
+        }
     }
     let there: Vec<String> = (0..abstraction.shape.places.len())
         .filter_map(|p| view.contents(p))
@@ -124,6 +134,16 @@ fn unfinished(
     for place in &chain.places {
         let node = &line.nodes[abstraction.shape.places[*place].node];
         finding = finding.with_label(node.span, format!("{} is here", node.name));
+        if let NodeKind::Buffer {
+            shelf_life: Some(_),
+            ..
+        } = node.kind
+        {
+            finding = finding.with_note(format!(
+                "times are left out: a part in {} counts as waiting, even where it would expire first",
+                node.name
+            ));
+        }
     }
     let going = moves(
         abstraction,
